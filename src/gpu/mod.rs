@@ -1,0 +1,2 @@
+//! The layer beneath the stages: Vulkan objects, their ownership, and every transfer between CPU and GPU.
+#![allow(unsafe_code)]

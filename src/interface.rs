@@ -1,0 +1,304 @@
+//! The contract between the CPU and the GPU: every number that both sides must agree on, stated once.
+//!
+//! Comes in: nothing; this file imports nothing, so that `build.rs` can include it by path and write
+//! `interface.glsl` from [`SHADER_CONSTANTS`] and [`PUSH_CONSTANTS`]. Goes out: record strides, binding numbers,
+//! specialisation-constant ids, push-constant offsets, flag bits, and the values of enumerations.
+//!
+//! A record is one or more texels of four `u32` lanes. Lanes that hold a float hold its bits; integers stay
+//! integers (a small integer seen as a float would be a denormal, which a device may flush to zero).
+
+// ---- Record strides, in texels (16 bytes each) ------------------------------------------------------------------
+
+/// Binary node: `[lo.xyz, first]`, `[hi.xyz, count]`. `count` 0 is an inner node whose children stand at `first` and
+/// `first + 1`; otherwise a leaf of the triangles `first .. first + count`.
+pub const BINARY_NODE_TEXELS: u32 = 2;
+/// Wide node: the 80-byte compressed node of Ylitie, Karras and Laine (HPG 2017); lanes are listed in
+/// `texels/wide_node.rs`.
+pub const WIDE_NODE_TEXELS: u32 = 5;
+/// Triangle in leaf order: `[v0.xyz, id]`, `[v1.xyz, flags]`, `[v2.xyz, light]`. `id` is the position in file order,
+/// `flags` the `TRIANGLE_*` bits, `light` the index of its light record or [`NO_INDEX`].
+pub const TRIANGLE_TEXELS: u32 = 3;
+/// Surface of a triangle, read once a hit is shaded: `[ng.xyz, material]`; `ng` is the unit geometric normal, the
+/// side from which the corners turn counter-clockwise.
+pub const SURFACE_TEXELS: u32 = 1;
+/// Shading attributes of a triangle's corners: `[n0.xyz, u0]`, `[n1.xyz, u1]`, `[n2.xyz, u2]`, `[v0, v1, v2, 0]`.
+pub const CORNERS_TEXELS: u32 = 4;
+/// Material: `[kind, ior, 0, 0]`, `[reflectance.rgb, 0]`, `[emission.rgb, 0]`.
+pub const MATERIAL_TEXELS: u32 = 3;
+/// Light (one emissive triangle): `[cdf_end, triangle, pdf_area, 0]`. `cdf_end` is the inclusive upper end of its
+/// share of the 32-bit random numbers, `triangle` its leaf-order index, `pdf_area` the density per unit area (scene
+/// units, after scaling) with which a point on it is chosen.
+pub const LIGHT_TEXELS: u32 = 1;
+/// Camera: `[origin.xyz, filter_kind]`, `[forward.xyz, width]`, `[right.xyz, height]`, `[down.xyz, 0]`. A camera ray
+/// through the film point (x, y), in pixels from the upper left corner, has the direction
+/// `forward + (x - width / 2) right + (y - height / 2) down`; width and height are floats.
+pub const CAMERA_TEXELS: u32 = 4;
+/// Entries of the pixel filter's inverse distribution, four floats a texel: offsets from the pixel's centre in
+/// pixels, at the probabilities `i / (FILTER_ENTRIES - 1)`.
+pub const FILTER_ENTRIES: u32 = 1024;
+/// Texels of the Sobol' table: 4 tables of 256, one a byte of the (bit-reversed) index; each texel holds the exclusive
+/// or of the direction numbers of that byte, in four dimensions at once, bit-reversed.
+pub const SOBOL_TEXELS: u32 = 1024;
+/// Texels of the table of random numbers of the `table` sampler: one four-dimensional set of numbers a texel.
+pub const RANDOM_TABLE_TEXELS: u32 = 1 << 18;
+
+/// No index: the light of a triangle that does not emit, the hit of a ray that hit nothing.
+pub const NO_INDEX: u32 = 0xffff_ffff;
+/// Triangle flag: its material emits (a tie in distance goes to it, design decision 'hit order').
+pub const TRIANGLE_EMITS: u32 = 1;
+/// Triangle flag: it has a record of corners, with vertex normals to interpolate.
+pub const TRIANGLE_SMOOTH: u32 = 2;
+/// Triangles that one child of a wide node may hold.
+pub const WIDE_LEAF_TRIANGLES: u32 = 3;
+/// Children of a wide node.
+pub const WIDE_CHILDREN: u32 = 8;
+/// Deepest tree that the shader's stack is ever asked for; builders keep below it.
+pub const MAX_TREE_DEPTH: u32 = 64;
+
+// ---- Material kinds ---------------------------------------------------------------------------------------------
+
+/// Two-sided Lambert reflection; `reflectance` is the albedo.
+pub const MATERIAL_LAMBERT: u32 = 0;
+/// Perfect mirror; `reflectance` scales what it reflects.
+pub const MATERIAL_MIRROR: u32 = 1;
+/// Smooth dielectric with air outside; `ior` is its index of refraction.
+pub const MATERIAL_GLASS: u32 = 2;
+
+/// Pixel filter kind: the sample is uniform over the pixel.
+pub const FILTER_BOX: u32 = 0;
+/// Pixel filter kind: the sample's offset comes from the filter's table.
+pub const FILTER_TABLE: u32 = 1;
+
+// ---- Bindings of the path tracer (descriptor set 0) ---------------------------------------------------------------
+
+/// Records bound as uniform texel buffers, in this order from 0; the storage-buffer twin of binding `b` is
+/// `b + STORAGE_TWIN`.
+pub const BINDING_NODES: u32 = 0;
+/// Triangles in leaf order.
+pub const BINDING_TRIANGLES: u32 = 1;
+/// Surfaces, one a triangle, in leaf order.
+pub const BINDING_SURFACES: u32 = 2;
+/// Corners, one a triangle, in leaf order; absent where no triangle is smooth.
+pub const BINDING_CORNERS: u32 = 3;
+/// Materials.
+pub const BINDING_MATERIALS: u32 = 4;
+/// Lights, in order of rising `cdf_end`.
+pub const BINDING_LIGHTS: u32 = 5;
+/// The camera.
+pub const BINDING_CAMERA: u32 = 6;
+/// The pixel filter's table.
+pub const BINDING_FILTER: u32 = 7;
+/// The sampler's numbers: the Sobol' table or the table of random numbers.
+pub const BINDING_RANDOM: u32 = 8;
+/// Number of record buffers: bindings `0 .. RECORD_BINDINGS`.
+pub const RECORD_BINDINGS: u32 = 9;
+/// Distance from a record buffer's texel binding to its storage-buffer twin.
+pub const STORAGE_TWIN: u32 = 9;
+/// Path states of the tile (storage).
+pub const BINDING_PATHS: u32 = 18;
+/// Open sums of the tile, four words a pixel: `[sum.rgb, count]` (storage).
+pub const BINDING_SUMS: u32 = 19;
+/// Counters of a dispatch (storage), the `COUNTER_*` words.
+pub const BINDING_COUNTERS: u32 = 20;
+/// Input of a probe kernel, as texels (tests and self-tests only).
+pub const BINDING_PROBE_INPUT: u32 = 21;
+/// Output of a probe kernel (storage; tests and self-tests only).
+pub const BINDING_PROBE_OUTPUT: u32 = 22;
+
+// ---- Counters -----------------------------------------------------------------------------------------------------
+
+/// Pixels whose samples of this run are unfinished when the dispatch ends.
+pub const COUNTER_UNFINISHED: u32 = 0;
+/// Rays started (extension and shadow).
+pub const COUNTER_RAYS: u32 = 1;
+/// Paths ended.
+pub const COUNTER_PATHS: u32 = 2;
+/// Largest number of steps that an invocation took: proves the budget.
+pub const COUNTER_MAX_STEPS: u32 = 3;
+/// Traversal-stack overflows: proves the depth bound.
+pub const COUNTER_STACK_OVERFLOW: u32 = 4;
+/// Samples left out because their radiance was not a number.
+pub const COUNTER_INVALID_NAN: u32 = 5;
+/// Samples left out because their radiance was infinite, or too large for the film's fixed-point sums.
+pub const COUNTER_INVALID_INFINITE: u32 = 6;
+/// Samples left out because their radiance was negative.
+pub const COUNTER_INVALID_NEGATIVE: u32 = 7;
+/// Node visits (one a step of a tree).
+pub const COUNTER_NODES: u32 = 8;
+/// Triangle tests.
+pub const COUNTER_TRIANGLES: u32 = 9;
+/// Number of counters.
+pub const COUNTERS: u32 = 10;
+
+// ---- Path state, one word a field and pixel: word `field * tile_pixels + pixel` -----------------------------------
+
+/// Words of a path state without its traversal stack; the stack follows, two words an entry.
+pub const PATH_WORDS: u32 = 44;
+/// Words of one entry of the traversal stack.
+pub const STACK_ENTRY_WORDS: u32 = 2;
+
+// ---- Specialisation constants ---------------------------------------------------------------------------------------
+
+/// Workgroup width, in invocations (pixels).
+pub const SPEC_WORKGROUP_X: u32 = 0;
+/// Workgroup height, in invocations (pixels).
+pub const SPEC_WORKGROUP_Y: u32 = 1;
+/// 1: records are read from storage buffers, 0: from texel buffers.
+pub const SPEC_STORAGE_RECORDS: u32 = 2;
+/// The `ACCEL_*` value.
+pub const SPEC_ACCEL: u32 = 3;
+/// Entries of the traversal stack (at least 1).
+pub const SPEC_STACK_ENTRIES: u32 = 4;
+/// The `INTERSECTOR_*` value.
+pub const SPEC_INTERSECTOR: u32 = 5;
+/// The `SAMPLER_*` value.
+pub const SPEC_SAMPLER: u32 = 6;
+/// The `LIGHTS_*` value.
+pub const SPEC_LIGHTS: u32 = 7;
+/// The `HEMISPHERE_*` value.
+pub const SPEC_HEMISPHERE: u32 = 8;
+/// The `ROULETTE_*` value.
+pub const SPEC_ROULETTE: u32 = 9;
+/// Lanes refill when fewer than this many eighths of the subgroup still trace.
+pub const SPEC_REFILL_EIGHTHS: u32 = 10;
+/// First effect switch; effect `e` has the constant `SPEC_EFFECTS + e`, 1 where it is on.
+pub const SPEC_EFFECTS: u32 = 32;
+
+/// Effect: triangles that emit.
+pub const EFFECT_EMITTERS: u32 = 0;
+/// Effect: a constant environment.
+pub const EFFECT_SKY: u32 = 1;
+/// Effect: perfect mirrors.
+pub const EFFECT_MIRROR: u32 = 2;
+/// Effect: smooth glass.
+pub const EFFECT_GLASS: u32 = 3;
+/// Effect: interpolated vertex normals.
+pub const EFFECT_SMOOTH_NORMALS: u32 = 4;
+/// Effect: a pixel filter other than the box.
+pub const EFFECT_PIXEL_FILTER: u32 = 5;
+/// Number of effects.
+pub const EFFECTS: u32 = 6;
+
+/// No tree: every ray tests every triangle.
+pub const ACCEL_BRUTE: u32 = 0;
+/// Binary tree.
+pub const ACCEL_BINARY: u32 = 1;
+/// Compressed 8-wide tree.
+pub const ACCEL_WIDE: u32 = 2;
+
+/// Watertight test of Woop, Benthin and Wald (JCGT 2013).
+pub const INTERSECTOR_WATERTIGHT: u32 = 0;
+/// Test of Möller and Trumbore (1997): leaks at edges, kept for comparison.
+pub const INTERSECTOR_MOLLER_TRUMBORE: u32 = 1;
+
+/// Shuffled, Owen-scrambled Sobol' points in padded sets of four dimensions.
+pub const SAMPLER_SOBOL: u32 = 0;
+/// Independent numbers by a hash.
+pub const SAMPLER_INDEPENDENT: u32 = 1;
+/// Numbers made by the host and read from a table.
+pub const SAMPLER_TABLE: u32 = 2;
+
+/// Light is gathered by next-event estimation and by BSDF sampling, combined by the power heuristic.
+pub const LIGHTS_MIS: u32 = 0;
+/// Light is gathered by next-event estimation alone; emission counts at camera rays and after specular bounces.
+pub const LIGHTS_AREA: u32 = 1;
+/// Light is gathered by BSDF sampling alone.
+pub const LIGHTS_BSDF: u32 = 2;
+
+/// Cosine-weighted directions.
+pub const HEMISPHERE_COSINE: u32 = 0;
+/// Directions uniform over the hemisphere.
+pub const HEMISPHERE_UNIFORM: u32 = 1;
+
+/// No Russian roulette.
+pub const ROULETTE_OFF: u32 = 0;
+/// A path survives with the probability of its largest throughput.
+pub const ROULETTE_THROUGHPUT: u32 = 1;
+/// A path survives with a fixed probability.
+pub const ROULETTE_FIXED: u32 = 2;
+/// Bounces that a path makes before roulette by throughput begins.
+pub const ROULETTE_FIRST_BOUNCE: u32 = 3;
+
+/// Samples of a block.
+pub const BLOCK_SAMPLES: u32 = 16;
+/// Largest step budget of an invocation in a dispatch: lavapipe ends the loops of a vector of 8 lanes, silently, after
+/// 65,535 iterations in all.
+pub const MAX_STEP_BUDGET: u32 = 8191;
+/// Smallest step budget: enough for one node with all its triangles, and some headway.
+pub const MIN_STEP_BUDGET: u32 = 64;
+
+/// Dispatch flag: the first dispatch of a run for these pixels; path states are begun, not read.
+pub const DISPATCH_BEGINS_RUN: u32 = 1;
+
+// ---- Push constants: byte offsets ---------------------------------------------------------------------------------
+
+/// Name and byte offset of each push constant; every one is four bytes.
+pub const PUSH_CONSTANTS: &[(&str, u32)] = &[
+    ("PUSH_TILE_X", 0),
+    ("PUSH_TILE_Y", 4),
+    ("PUSH_TILE_WIDTH", 8),
+    ("PUSH_TILE_HEIGHT", 12),
+    ("PUSH_SLICE_ROW", 16),
+    ("PUSH_SLICE_ROWS", 20),
+    ("PUSH_FIRST_SAMPLE", 24),
+    ("PUSH_SAMPLES", 28),
+    ("PUSH_BUDGET", 32),
+    ("PUSH_FLAGS", 36),
+    ("PUSH_TRIANGLES", 40),
+    ("PUSH_LIGHTS", 44),
+    ("PUSH_MAX_BOUNCES", 48),
+    ("PUSH_REPLICATES", 52),
+    ("PUSH_SEED_LOW", 56),
+    ("PUSH_SEED_HIGH", 60),
+    ("PUSH_ROULETTE_P", 64),
+    ("PUSH_SKY_R", 68),
+    ("PUSH_SKY_G", 72),
+    ("PUSH_SKY_B", 76),
+];
+/// Size of the push-constant block in bytes; Vulkan promises 128.
+pub const PUSH_CONSTANT_BYTES: u32 = 80;
+
+/// Radiance sum of a block above which a sample is left out as infinite: the film's fixed-point sums hold 2^36 without
+/// overflow over 2^27 blocks (radiance in units of the brightest emission).
+pub const MAX_SAMPLE_RADIANCE: f32 = 4_294_967_296.0;
+
+/// The constants that `build.rs` writes to `interface.glsl`, as `(name, value)`, all `uint`.
+#[rustfmt::skip]
+pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
+    ("BINARY_NODE_TEXELS", BINARY_NODE_TEXELS), ("WIDE_NODE_TEXELS", WIDE_NODE_TEXELS),
+    ("TRIANGLE_TEXELS", TRIANGLE_TEXELS), ("SURFACE_TEXELS", SURFACE_TEXELS), ("CORNERS_TEXELS", CORNERS_TEXELS),
+    ("MATERIAL_TEXELS", MATERIAL_TEXELS), ("LIGHT_TEXELS", LIGHT_TEXELS), ("CAMERA_TEXELS", CAMERA_TEXELS),
+    ("FILTER_ENTRIES", FILTER_ENTRIES), ("SOBOL_TEXELS", SOBOL_TEXELS), ("RANDOM_TABLE_TEXELS", RANDOM_TABLE_TEXELS),
+    ("NO_INDEX", NO_INDEX), ("TRIANGLE_EMITS", TRIANGLE_EMITS), ("TRIANGLE_SMOOTH", TRIANGLE_SMOOTH),
+    ("WIDE_LEAF_TRIANGLES", WIDE_LEAF_TRIANGLES), ("WIDE_CHILDREN", WIDE_CHILDREN),
+    ("MATERIAL_LAMBERT", MATERIAL_LAMBERT), ("MATERIAL_MIRROR", MATERIAL_MIRROR), ("MATERIAL_GLASS", MATERIAL_GLASS),
+    ("FILTER_BOX", FILTER_BOX), ("FILTER_TABLE", FILTER_TABLE),
+    ("BINDING_NODES", BINDING_NODES), ("BINDING_TRIANGLES", BINDING_TRIANGLES),
+    ("BINDING_SURFACES", BINDING_SURFACES), ("BINDING_CORNERS", BINDING_CORNERS),
+    ("BINDING_MATERIALS", BINDING_MATERIALS), ("BINDING_LIGHTS", BINDING_LIGHTS), ("BINDING_CAMERA", BINDING_CAMERA),
+    ("BINDING_FILTER", BINDING_FILTER), ("BINDING_RANDOM", BINDING_RANDOM), ("STORAGE_TWIN", STORAGE_TWIN),
+    ("BINDING_PATHS", BINDING_PATHS), ("BINDING_SUMS", BINDING_SUMS), ("BINDING_COUNTERS", BINDING_COUNTERS),
+    ("BINDING_PROBE_INPUT", BINDING_PROBE_INPUT), ("BINDING_PROBE_OUTPUT", BINDING_PROBE_OUTPUT),
+    ("COUNTER_UNFINISHED", COUNTER_UNFINISHED), ("COUNTER_RAYS", COUNTER_RAYS), ("COUNTER_PATHS", COUNTER_PATHS),
+    ("COUNTER_MAX_STEPS", COUNTER_MAX_STEPS), ("COUNTER_STACK_OVERFLOW", COUNTER_STACK_OVERFLOW),
+    ("COUNTER_INVALID_NAN", COUNTER_INVALID_NAN), ("COUNTER_INVALID_INFINITE", COUNTER_INVALID_INFINITE),
+    ("COUNTER_INVALID_NEGATIVE", COUNTER_INVALID_NEGATIVE), ("COUNTER_NODES", COUNTER_NODES),
+    ("COUNTER_TRIANGLES", COUNTER_TRIANGLES), ("COUNTERS", COUNTERS),
+    ("PATH_WORDS", PATH_WORDS), ("STACK_ENTRY_WORDS", STACK_ENTRY_WORDS),
+    ("SPEC_WORKGROUP_X", SPEC_WORKGROUP_X), ("SPEC_WORKGROUP_Y", SPEC_WORKGROUP_Y),
+    ("SPEC_STORAGE_RECORDS", SPEC_STORAGE_RECORDS), ("SPEC_ACCEL", SPEC_ACCEL),
+    ("SPEC_STACK_ENTRIES", SPEC_STACK_ENTRIES), ("SPEC_INTERSECTOR", SPEC_INTERSECTOR), ("SPEC_SAMPLER", SPEC_SAMPLER),
+    ("SPEC_LIGHTS", SPEC_LIGHTS), ("SPEC_HEMISPHERE", SPEC_HEMISPHERE), ("SPEC_ROULETTE", SPEC_ROULETTE),
+    ("SPEC_REFILL_EIGHTHS", SPEC_REFILL_EIGHTHS), ("SPEC_EFFECTS", SPEC_EFFECTS),
+    ("EFFECT_EMITTERS", EFFECT_EMITTERS), ("EFFECT_SKY", EFFECT_SKY), ("EFFECT_MIRROR", EFFECT_MIRROR),
+    ("EFFECT_GLASS", EFFECT_GLASS), ("EFFECT_SMOOTH_NORMALS", EFFECT_SMOOTH_NORMALS),
+    ("EFFECT_PIXEL_FILTER", EFFECT_PIXEL_FILTER),
+    ("ACCEL_BRUTE", ACCEL_BRUTE), ("ACCEL_BINARY", ACCEL_BINARY), ("ACCEL_WIDE", ACCEL_WIDE),
+    ("INTERSECTOR_WATERTIGHT", INTERSECTOR_WATERTIGHT), ("INTERSECTOR_MOLLER_TRUMBORE", INTERSECTOR_MOLLER_TRUMBORE),
+    ("SAMPLER_SOBOL", SAMPLER_SOBOL), ("SAMPLER_INDEPENDENT", SAMPLER_INDEPENDENT), ("SAMPLER_TABLE", SAMPLER_TABLE),
+    ("LIGHTS_MIS", LIGHTS_MIS), ("LIGHTS_AREA", LIGHTS_AREA), ("LIGHTS_BSDF", LIGHTS_BSDF),
+    ("HEMISPHERE_COSINE", HEMISPHERE_COSINE), ("HEMISPHERE_UNIFORM", HEMISPHERE_UNIFORM),
+    ("ROULETTE_OFF", ROULETTE_OFF), ("ROULETTE_THROUGHPUT", ROULETTE_THROUGHPUT), ("ROULETTE_FIXED", ROULETTE_FIXED),
+    ("ROULETTE_FIRST_BOUNCE", ROULETTE_FIRST_BOUNCE), ("BLOCK_SAMPLES", BLOCK_SAMPLES),
+    ("DISPATCH_BEGINS_RUN", DISPATCH_BEGINS_RUN),
+];

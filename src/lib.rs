@@ -1,0 +1,25 @@
+//! texray: a Monte Carlo path tracer that drives Vulkan compute shaders directly.
+//!
+//! Data flows one way; each stage is a value to the next:
+//!
+//! ```text
+//! scene.toml + OBJ/MTL → Scene → Accel → TexelData → GpuScene → path_trace.comp → run sums → Film → EXR/PNG/HDR
+//!                        scene   bvh     texels      gpu, render  glsl/           render     film   output
+//! ```
+//!
+//! A later stage may import an earlier one, never the reverse. [`gpu`] is the layer beneath: it alone names Vulkan and
+//! holds `unsafe`, and knows nothing of scenes. [`interface`] states what CPU and GPU agree on.
+
+#![deny(unsafe_code)]
+
+pub mod bvh;
+pub mod error;
+pub mod film;
+pub mod gpu;
+pub mod interface;
+pub mod output;
+pub mod render;
+pub mod scene;
+pub mod texels;
+
+pub use error::{Error, Result};

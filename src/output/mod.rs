@@ -1,0 +1,1 @@
+//! Stage 7: pictures and reports, written whole or not at all.

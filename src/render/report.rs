@@ -1,0 +1,99 @@
+//! What a render tells its caller: progress while it runs, and figures when it is done.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+/// State of a render at a run boundary or between two slices of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// Samples a pixel that every pixel has finished.
+    pub spp_done: u32,
+    /// Samples a pixel asked for.
+    pub spp_target: u32,
+    /// Share of all the work that is done, 0 to 1, slices of the current run included.
+    pub fraction: f64,
+    /// Paths traced so far.
+    pub paths: u64,
+    /// Seconds since the first dispatch.
+    pub seconds: f64,
+    /// Estimated relative RMSE of the picture so far, once there are two blocks.
+    pub relative_rmse: Option<f64>,
+}
+
+/// Watches a render and may stop it.
+pub trait Observer {
+    /// Called at least once a slice (some 0.1 to 0.5 seconds).
+    fn progress(&mut self, progress: &Progress);
+    /// Asked as often: whether to stop now. What the last whole run left is kept.
+    fn stop_requested(&self) -> bool;
+}
+
+/// Why a render ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopReason {
+    /// The samples asked for are done.
+    Spp,
+    /// The observer asked for it.
+    Interrupted,
+}
+
+/// Seconds of wall time by stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct StageSeconds {
+    /// Reading and checking the scene.
+    pub load: f64,
+    /// Building the tree.
+    pub bvh: f64,
+    /// Packing texels and copying them to the device.
+    pub upload: f64,
+    /// Making the pipeline (the driver's compiler included, as far as it runs then).
+    pub pipeline: f64,
+    /// From the first dispatch to the end of the last run.
+    pub render: f64,
+    /// Waiting for and adding up what came back; part of it overlaps `render`.
+    pub readback: f64,
+    /// Writing pictures.
+    pub write: f64,
+    /// From the start of the process (or of the call) to the end.
+    pub total: f64,
+}
+
+/// Bytes moved and held.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Bytes {
+    /// Copied from host to device.
+    pub uploaded: u64,
+    /// Copied from device to host.
+    pub read_back: u64,
+    /// Allocated on the device at most.
+    pub device: u64,
+}
+
+/// Figures of a finished render.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderReport {
+    /// Samples that every pixel has.
+    pub spp: u32,
+    /// Why it ended.
+    pub stop_reason: StopReason,
+    /// Seconds by stage; `load`, `write` and `total` are the caller's to fill.
+    pub seconds: StageSeconds,
+    /// Paths traced.
+    pub paths: u64,
+    /// Rays traced, extension and shadow.
+    pub rays: u64,
+    /// Node visits of all rays.
+    pub node_visits: u64,
+    /// Triangle tests of all rays.
+    pub triangle_tests: u64,
+    /// Names of the effects that were on.
+    pub effects: Vec<&'static str>,
+    /// Samples left out, by cause (`nan`, `infinite`, `negative`), every cause listed.
+    pub invalid_samples: BTreeMap<&'static str, u64>,
+    /// Times that the table of random numbers wrapped around for a pixel (0 for other samplers).
+    pub table_wraps: u64,
+    /// Bytes moved and held.
+    pub bytes: Bytes,
+}

@@ -1,0 +1,140 @@
+//! What a render is asked to do: checked values, from the command line and the scene's defaults.
+
+use crate::bvh::Builder;
+use crate::scene::Filter;
+
+/// Settings of a render. Everything here is checked: ranges are those stated at the fields.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Picture width in pixels, 1 to 16384.
+    pub width: u32,
+    /// Picture height in pixels, 1 to 16384.
+    pub height: u32,
+    /// Part of the picture to render, `[x, y, width, height]` in pixels, inside the picture and not empty.
+    pub crop: Option<[u32; 4]>,
+    /// Pixel filter.
+    pub filter: Filter,
+    /// Samples a pixel, at least 1.
+    pub spp: u32,
+    /// Surface scatterings a path may have, 1 to 65535.
+    pub max_bounces: u32,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Random-number scheme.
+    pub sampler: Sampler,
+    /// What finds hits.
+    pub accel: AccelKind,
+    /// Which builder makes the tree.
+    pub builder: Builder,
+    /// Triangle test.
+    pub intersector: Intersector,
+    /// How light is gathered.
+    pub lights: Lights,
+    /// How a light is chosen.
+    pub light_pick: LightPick,
+    /// How diffuse directions are drawn.
+    pub hemisphere: Hemisphere,
+    /// Russian roulette.
+    pub roulette: Roulette,
+    /// How records are bound.
+    pub buffers: Buffers,
+    /// `true`: every effect on, whatever the scene calls for.
+    pub all_effects: bool,
+    /// Render even where nothing can emit.
+    pub allow_black: bool,
+}
+
+/// Random-number scheme.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sampler {
+    /// Shuffled, Owen-scrambled Sobol' points in padded sets of four dimensions.
+    #[default]
+    Sobol,
+    /// Independent numbers by a hash.
+    Independent,
+    /// Numbers made by the host and read from a table, as in the thesis; the table wraps around.
+    Table,
+}
+
+/// What finds hits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AccelKind {
+    /// Compressed 8-wide tree.
+    #[default]
+    Wide,
+    /// Binary tree.
+    Binary,
+    /// No tree.
+    Brute,
+}
+
+/// Triangle test.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Intersector {
+    /// Watertight (Woop, Benthin and Wald 2013).
+    #[default]
+    Watertight,
+    /// Möller and Trumbore 1997: leaks at edges.
+    MollerTrumbore,
+}
+
+/// How light is gathered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Lights {
+    /// Next-event estimation and BSDF sampling, combined by the power heuristic.
+    #[default]
+    Mis,
+    /// Next-event estimation only.
+    Area,
+    /// BSDF sampling only.
+    Bsdf,
+}
+
+/// How a light is chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightPick {
+    /// In proportion to emitted power, with a floor so that no light starves.
+    #[default]
+    Power,
+    /// In proportion to area, as in the thesis.
+    Area,
+}
+
+/// How diffuse directions are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Hemisphere {
+    /// In proportion to the cosine.
+    #[default]
+    Cosine,
+    /// Uniformly.
+    Uniform,
+}
+
+/// Russian roulette.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Roulette {
+    /// Survive with the probability of the largest throughput, kept within [0.05, 0.95].
+    #[default]
+    Throughput,
+    /// None.
+    Off,
+    /// Survive with this fixed probability, inside (0, 1], from the first bounce on (the thesis's).
+    Fixed(f32),
+}
+
+/// How records are bound.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Buffers {
+    /// Uniform texel buffers.
+    #[default]
+    Texel,
+    /// Storage buffers.
+    Storage,
+}

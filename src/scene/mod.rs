@@ -1,0 +1,118 @@
+//! Stage 1: a checked scene.
+//!
+//! Comes in: a `.toml` scene or a bare `.obj`, with the OBJ, MTL files they name. Goes out: a [`Scene`], checked once and
+//! read-only from here on. Numbers are parsed and transformed in f64; the geometry is then moved to the origin and
+//! scaled by a power of two so that its extent lies in [1, 2), the camera and all lengths with it, and radiance is scaled
+//! by a power of two so that the brightest emission lies in [1, 2). Both scalings are exact and undone at output.
+
+pub mod camera;
+pub mod material;
+
+use std::path::PathBuf;
+
+use glam::{DVec3, Vec2, Vec3};
+
+pub use camera::Camera;
+pub use material::{Material, MaterialKind};
+
+/// A scene in scaled units: everything a renderer needs, nothing that it has to check again.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// File name without extension, for default output names.
+    pub name: String,
+    /// The file that was loaded.
+    pub path: PathBuf,
+    /// The camera, in scaled units.
+    pub camera: Camera,
+    /// Picture size and pixel filter.
+    pub film: FilmSettings,
+    /// What the scene's `[render]` table asks for.
+    pub render: RenderDefaults,
+    /// Triangles in file order: the index is the triangle's id.
+    pub triangles: Vec<Triangle>,
+    /// Vertex normals and texture coordinates of the triangles that have normals.
+    pub corners: Vec<Corners>,
+    /// Materials; [`Triangle::material`] indexes them.
+    pub materials: Vec<Material>,
+    /// Constant environment radiance (scaled, linear Rec. 709), if the scene calls for one.
+    pub sky: Option<[f32; 3]>,
+    /// How scaled units relate to the file's.
+    pub scaling: Scaling,
+    /// What loading left out or ignored, for the user to read.
+    pub report: LoadReport,
+}
+
+/// One triangle in scaled units. Its front is the side from which the positions turn counter-clockwise.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    /// Corner positions.
+    pub positions: [Vec3; 3],
+    /// Index of its material.
+    pub material: u32,
+    /// Index into [`Scene::corners`], or [`crate::interface::NO_INDEX`] for a flat triangle.
+    pub corners: u32,
+}
+
+/// Shading attributes of a smooth triangle's corners.
+#[derive(Clone, Copy, Debug)]
+pub struct Corners {
+    /// Unit vertex normals.
+    pub normals: [Vec3; 3],
+    /// Texture coordinates; zero where the file has none.
+    pub uvs: [Vec2; 3],
+}
+
+/// `scaled = (file - centre) * 2^length_exponent`, radiance `scaled = file * 2^radiance_exponent`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scaling {
+    /// Centre of the geometry's bounds, in file units.
+    pub centre: DVec3,
+    /// Power of two that lengths were multiplied by.
+    pub length_exponent: i32,
+    /// Power of two that radiances were multiplied by.
+    pub radiance_exponent: i32,
+}
+
+/// Picture size and pixel filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmSettings {
+    /// Width in pixels, 1 to 16384.
+    pub width: u32,
+    /// Height in pixels, 1 to 16384.
+    pub height: u32,
+    /// Pixel filter.
+    pub filter: Filter,
+}
+
+/// Pixel filter; samples are drawn in proportion to it, so that pixels stay independent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Filter {
+    /// Uniform over the pixel.
+    Box,
+    /// Triangle of radius 1 pixel.
+    Tent,
+    /// Gaussian of standard deviation 0.5 pixels, cut at radius 1.5.
+    Gaussian,
+    /// Blackman-Harris window of radius 1.5 pixels.
+    #[default]
+    BlackmanHarris,
+}
+
+/// What the scene's `[render]` table asks for; the command line overrides it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RenderDefaults {
+    /// Samples a pixel.
+    pub spp: Option<u32>,
+    /// Surface scatterings a path may have.
+    pub max_bounces: Option<u32>,
+}
+
+/// What loading left out or ignored.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadReport {
+    /// Triangles without area that were removed.
+    pub degenerate_triangles: usize,
+    /// Warnings, one line each, with file and line where there is one.
+    pub warnings: Vec<String>,
+}
