@@ -1,2 +1,57 @@
 //! The layer beneath the stages: Vulkan objects, their ownership, and every transfer between CPU and GPU.
+//!
+//! Comes in: sizes, bytes, SPIR-V. Goes out: buffers, pipelines, recorded and submitted work, and a ledger of every
+//! byte that crossed. It knows nothing of scenes. This folder alone names Vulkan and may use `unsafe`.
+//!
+//! ```text
+//! Instance ← Device ← Handle (buffer, view, pipeline, pool, fence ...)      ← reads "is kept alive by"
+//!                   ← Context: device + recycled command slots
+//!                        ← Recorder → InFlight (holds an Arc of all that the submitted work uses)
+//! ```
+//!
+//! Ownership, stated once:
+//! - A [`Handle`](handle::Handle) owns one Vulkan object and an `Arc` of its device, and destroys the object when
+//!   dropped. It takes the object over the moment the object exists, so that `?` frees it.
+//! - Whatever submitted work may touch is handed out in an `Arc`; [`InFlight`] holds those until the device's fence
+//!   says that the work has ended. Nothing in use is ever freed, whatever the caller drops.
+//! - Memory that the host reads or writes is reached through [`Uploader`] and [`Readback`] only, which keep host and
+//!   device from touching the same bytes at once. Bind groups, fills and plain copies take device memory only.
+//! - `Drop` never panics and reports nothing; what it finds wrong goes to the message log of the context.
+
 #![allow(unsafe_code)]
+
+mod barrier;
+mod bind_group;
+pub mod canary;
+mod choice;
+mod commands;
+mod context;
+mod device;
+mod device_info;
+mod failure;
+mod handle;
+mod instance;
+mod ledger;
+mod memory;
+mod messages;
+mod pipeline;
+mod readback;
+pub mod shaders;
+mod slot;
+mod texel_buffer;
+mod timer;
+mod transfer;
+
+pub use barrier::Barrier;
+pub use bind_group::{BindGroup, Resource};
+pub use choice::DeviceChoice;
+pub use commands::{InFlight, Recorder};
+pub use context::{Context, ContextOptions, list_devices};
+pub use device_info::{DeviceInfo, DeviceKind, HeapInfo};
+pub use ledger::{Direction, Ledger, LedgerEntry};
+pub use memory::{Buffer, BufferUse, Memory};
+pub use messages::{ValidationReport, ValidationWatch};
+pub use pipeline::{BindingKind, BindingSlot, ComputePipeline, PipelineDesc};
+pub use readback::Readback;
+pub use texel_buffer::TexelBuffer;
+pub use transfer::Uploader;
