@@ -14,6 +14,7 @@ use ash::vk;
 use super::barrier::Barrier;
 use super::bind_group::BindGroup;
 use super::context::Context;
+use super::device::Device;
 use super::failure::failed;
 use super::memory::{Buffer, Memory};
 use super::pipeline::ComputePipeline;
@@ -80,6 +81,7 @@ impl Recorder {
                 have: format!("{most:?}"),
             });
         }
+        self.check_device(pipeline.device(), pipeline.name())?;
         if push.len() != pipeline.push_constant_bytes() as usize || !bind_group.fits(pipeline) {
             return Err(Error::Internal(format!(
                 "`{}` dispatched with {} bytes of push constants, not {}, or with bindings of another layout",
@@ -126,6 +128,7 @@ impl Recorder {
     /// Fills a range with copies of a 32-bit word; offset and length are multiples of 4 bytes.
     pub fn fill(&mut self, buffer: &Arc<Buffer>, offset: u64, bytes: u64, word: u32) -> Result<()> {
         device_only(buffer, "filled")?;
+        self.check_device(buffer.device(), buffer.name())?;
         buffer.check_range(offset, bytes)?;
         if !(offset | bytes).is_multiple_of(4) {
             let name = buffer.name();
@@ -168,6 +171,8 @@ impl Recorder {
         bytes: u64,
         clock: Option<&Clock>,
     ) -> Result<()> {
+        self.check_device(src.device(), src.name())?;
+        self.check_device(dst.device(), dst.name())?;
         src.check_range(src_offset, bytes)?;
         dst.check_range(dst_offset, bytes)?;
         if Arc::ptr_eq(src, dst) {
@@ -227,6 +232,14 @@ impl Recorder {
         result.map_err(failed(format!("vkQueueSubmit for `{}`", self.name)))?;
         let (slot, uses) = (self.slot.take(), std::mem::take(&mut self.uses));
         Ok(InFlight { slot, uses, start, name: std::mem::take(&mut self.name), context: self.context.clone() })
+    }
+
+    /// Refuses what another context made.
+    fn check_device(&self, device: &Arc<Device>, name: &str) -> Result<()> {
+        match Arc::ptr_eq(device, self.context.device()) {
+            true => Ok(()),
+            false => Err(Error::Internal(format!("`{name}` in `{}` belongs to another context", self.name))),
+        }
     }
 
     fn commands(&self) -> Result<vk::CommandBuffer> {

@@ -138,6 +138,11 @@ impl Instance {
         &self.raw
     }
 
+    /// Whether the validation layers are on.
+    pub(super) fn validates(&self) -> bool {
+        self.messenger.is_some()
+    }
+
     /// Every physical device, in the loader's order. There may be none.
     pub(super) fn physical_devices(&self) -> Result<Vec<vk::PhysicalDevice>> {
         // SAFETY: the instance is alive. No lock is needed: the call changes no state.
