@@ -113,7 +113,7 @@ fn texels_come_back_byte_for_byte_and_every_byte_is_in_the_ledger() {
         assert!(entries[0].milliseconds > 0.0 && entries[1].milliseconds > 0.0, "{entries:#?}");
     }
     assert!(context.device_bytes_peak() >= 2 * size);
-    println!("{}{}", context.device_info().summary(), ledger.table());
+    println!("{}\n{}", context.device_info().summary(), ledger.table());
     assert_clean(&context);
 }
 

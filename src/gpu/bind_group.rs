@@ -9,7 +9,6 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::commands::device_only;
 use super::failure::failed;
 use super::handle::Handle;
 use super::memory::Buffer;
@@ -49,7 +48,7 @@ impl BindGroup {
         }
         for (_, resource) in &resources {
             if let Resource::Storage(buffer) = resource {
-                device_only(buffer, "bound")?;
+                buffer.check_device_only("bound")?;
                 if !buffer.uses().storage {
                     return Err(Error::Internal(format!("`{}` was not made as a storage buffer", buffer.name())));
                 }

@@ -39,7 +39,7 @@ pub fn provoke(context: &Context) -> Result<()> {
     recorder.fill(&target, 0, 64, 2)
 }
 
-/// Leaves a fence and a piece of memory behind, which no [`Handle`] owns: when the last clone of the context goes, the
+/// Leaves a fence and a piece of memory behind, which nothing owns: when the last clone of the context goes, the
 /// layers report the fence and the device reports the memory. Refused without validation.
 pub fn leak(context: &Context) -> Result<()> {
     let device = context.device();

@@ -1,13 +1,10 @@
-//! Commands: recorded, submitted, waited for.
+//! Commands: recorded and submitted.
 //!
-//! Comes in: pipelines, bind groups, buffers. Goes out: [`InFlight`], the guard of work that the device is doing. It
-//! holds an `Arc` of all that the work uses and gives them up when the device has ended the work; dropping it waits.
-//! Commands of a recorder, and of recorders submitted later, may overlap wherever no [`Barrier`] stands between them.
+//! Comes in: pipelines, bind groups, buffers. Goes out: [`InFlight`], the guard of the submitted work. Commands of a recorder, and of recorders submitted later, may overlap wherever no [`Barrier`] stands between them.
 
-use std::any::Any;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use ash::vk;
 
@@ -16,11 +13,16 @@ use super::bind_group::BindGroup;
 use super::context::Context;
 use super::device::Device;
 use super::failure::failed;
+use super::in_flight::{InFlight, Uses};
 use super::memory::{Buffer, Memory};
 use super::pipeline::ComputePipeline;
 use super::slot::CommandSlot;
 use super::timer::Clock;
 use crate::{Error, Result};
+
+/// Shortest copy that is timed: the device takes as long for the two timestamps (on lavapipe 30 microseconds, since it
+/// lets all threads come to rest for each).
+const TIMED_COPY_BYTES: u64 = 64 << 10;
 
 /// Records commands for one submit.
 pub struct Recorder {
@@ -29,31 +31,6 @@ pub struct Recorder {
     uses: Uses,
     name: String,
     context: Context,
-}
-
-/// What recorded or submitted work keeps alive, or keeps the host away from.
-#[derive(Default)]
-struct Uses {
-    kept: Vec<Arc<dyn Any + Send + Sync>>,
-    /// Readback buffers that the work writes, one entry a copy; each counts in its buffer's `pending_writes`.
-    written: Vec<Arc<Buffer>>,
-}
-
-impl Uses {
-    fn keep<T: Any + Send + Sync>(&mut self, used: &Arc<T>) {
-        // A handful of things used many times: a search among few beats a set.
-        if !self.kept.iter().any(|kept| std::ptr::addr_eq(Arc::as_ptr(kept), Arc::as_ptr(used))) {
-            self.kept.push(used.clone());
-        }
-    }
-
-    /// The work has ended, or will never run: the host may read what it wrote.
-    fn settle(&mut self) {
-        for buffer in self.written.drain(..) {
-            // Release: pairs with the host's check before it reads.
-            buffer.pending_writes.fetch_sub(1, Ordering::Release);
-        }
-    }
 }
 
 impl Recorder {
@@ -120,14 +97,14 @@ impl Recorder {
         bytes: u64,
     ) -> Result<()> {
         for buffer in [src, dst] {
-            device_only(buffer, "copied by Recorder::copy")?;
+            buffer.check_device_only("copied by Recorder::copy")?;
         }
         self.record_copy(src, src_offset, dst, dst_offset, bytes, None)
     }
 
     /// Fills a range with copies of a 32-bit word; offset and length are multiples of 4 bytes.
     pub fn fill(&mut self, buffer: &Arc<Buffer>, offset: u64, bytes: u64, word: u32) -> Result<()> {
-        device_only(buffer, "filled")?;
+        buffer.check_device_only("filled")?;
         self.check_device(buffer.device(), buffer.name())?;
         buffer.check_range(offset, bytes)?;
         if !(offset | bytes).is_multiple_of(4) {
@@ -161,7 +138,8 @@ impl Recorder {
     }
 
     /// Copies between any two buffers. Counts what leaves an upload buffer or enters a readback buffer: this is the one
-    /// place that records a copy command. With a clock, the copy's time is added to it when the work has ended.
+    /// place that records a copy command. With a clock, the time of
+    /// a copy of [`TIMED_COPY_BYTES`] or more is added to it when the work has ended.
     pub(super) fn record_copy(
         &mut self,
         src: &Arc<Buffer>,
@@ -185,7 +163,7 @@ impl Recorder {
         let commands = self.commands()?;
         let device = self.context.device().clone();
         let timer = self.slot.as_mut().and_then(|slot| slot.timer.as_mut());
-        let mut timing = timer.zip(clock);
+        let mut timing = timer.zip(clock).filter(|_| bytes >= TIMED_COPY_BYTES);
         let region = [vk::BufferCopy { src_offset, dst_offset, size: bytes }];
         // SAFETY: the command buffer is recording and its timer has begun; both ranges are inside their buffers, which
         // differ, have the transfer usages, and are kept alive below.
@@ -255,72 +233,6 @@ impl Drop for Recorder {
         if let Some(slot) = self.slot.take() {
             self.context.return_slot(slot);
         }
-    }
-}
-
-/// Work that the device is doing.
-#[must_use = "dropping it waits for the device"]
-pub struct InFlight {
-    /// There until the work has ended.
-    slot: Option<CommandSlot>,
-    uses: Uses,
-    start: Instant,
-    name: String,
-    context: Context,
-}
-
-impl InFlight {
-    /// Waits until the work has ended. Returns the device's time for it, by timestamps; where the queue has none, the
-    /// wall time since the submit.
-    pub fn wait(mut self) -> Result<Duration> {
-        self.finish()
-    }
-
-    /// Whether the work has ended, without waiting.
-    pub fn is_done(&self) -> Result<bool> {
-        let Some(slot) = &self.slot else { return Ok(true) };
-        // SAFETY: the fence is alive and this guard's own.
-        unsafe { self.context.device().raw().get_fence_status(slot.fence.raw()) }
-            .map_err(failed(format!("vkGetFenceStatus for `{}`", self.name)))
-    }
-
-    fn finish(&mut self) -> Result<Duration> {
-        let Some(mut slot) = self.slot.take() else { return Ok(Duration::ZERO) };
-        // No time-out: a lost device ends the wait with an error, and until then the objects must stay.
-        // SAFETY: the fence is alive and was submitted once.
-        let waited = unsafe { self.context.device().raw().wait_for_fences(&[slot.fence.raw()], true, u64::MAX) };
-        match waited {
-            Ok(()) => {
-                let time = slot.timer.as_mut().and_then(|timer| timer.read()).unwrap_or_else(|| self.start.elapsed());
-                self.uses.settle();
-                self.uses.kept.clear();
-                self.context.return_slot(slot);
-                Ok(time)
-            }
-            Err(code) => {
-                if code != vk::Result::ERROR_DEVICE_LOST {
-                    // The wait itself failed (out of memory) and the work may still run: nothing that it uses may be
-                    // freed, so all of it is given up for good. A lost device does no work, and its objects may go.
-                    std::mem::forget((slot, std::mem::take(&mut self.uses)));
-                }
-                Err(failed(format!("vkWaitForFences for `{}`", self.name))(code))
-            }
-        }
-    }
-}
-
-impl Drop for InFlight {
-    fn drop(&mut self) {
-        // An error has no way out of here; the next call on the device gives it again.
-        let _ = self.finish();
-    }
-}
-
-/// Refuses a buffer that the host reaches: its bytes are safe to touch through `Uploader` and `Readback` only.
-pub(super) fn device_only(buffer: &Buffer, what: &str) -> Result<()> {
-    match buffer.memory() {
-        Memory::Device => Ok(()),
-        memory => Err(Error::Internal(format!("buffer `{}` in {memory:?} memory cannot be {what}", buffer.name()))),
     }
 }
 

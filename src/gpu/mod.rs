@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Ownership, stated once:
-//! - A [`Handle`](handle::Handle) owns one Vulkan object and an `Arc` of its device, and destroys the object when
+//! - A `Handle` owns one Vulkan object and an `Arc` of its device, and destroys the object when
 //!   dropped. It takes the object over the moment the object exists, so that `?` frees it.
 //! - Whatever submitted work may touch is handed out in an `Arc`; [`InFlight`] holds those until the device's fence
 //!   says that the work has ended. Nothing in use is ever freed, whatever the caller drops.
@@ -20,6 +20,7 @@
 
 #![allow(unsafe_code)]
 
+mod allocation;
 mod barrier;
 mod bind_group;
 pub mod canary;
@@ -30,6 +31,7 @@ mod device;
 mod device_info;
 mod failure;
 mod handle;
+mod in_flight;
 mod instance;
 mod ledger;
 mod memory;
@@ -45,9 +47,10 @@ mod transfer;
 pub use barrier::Barrier;
 pub use bind_group::{BindGroup, Resource};
 pub use choice::DeviceChoice;
-pub use commands::{InFlight, Recorder};
+pub use commands::Recorder;
 pub use context::{Context, ContextOptions, list_devices};
 pub use device_info::{DeviceInfo, DeviceKind, HeapInfo};
+pub use in_flight::InFlight;
 pub use ledger::{Direction, Ledger, LedgerEntry};
 pub use memory::{Buffer, BufferUse, Memory};
 pub use messages::{ValidationReport, ValidationWatch};

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::barrier::Barrier;
-use super::commands::{Recorder, device_only};
+use super::commands::Recorder;
 use super::context::Context;
 use super::ledger::{Direction, Ledger, LedgerEntry};
 use super::memory::{Buffer, BufferUse, Memory};
@@ -45,7 +45,7 @@ impl Readback {
         bytes: u64,
         why: &str,
     ) -> Result<()> {
-        device_only(src, "read back")?;
+        src.check_device_only("read back")?;
         src.check_range(src_offset, bytes)?;
         self.buffer.check_range(dst_offset, bytes)?;
         if bytes == 0 {

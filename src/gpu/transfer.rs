@@ -13,8 +13,9 @@
 use std::sync::Arc;
 
 use super::barrier::Barrier;
-use super::commands::{InFlight, Recorder, device_only};
+use super::commands::Recorder;
 use super::context::Context;
+use super::in_flight::InFlight;
 use super::ledger::{Direction, Ledger, LedgerEntry};
 use super::memory::{Buffer, BufferUse, Memory};
 use crate::Result;
@@ -68,7 +69,7 @@ impl Uploader {
         bytes: &[u8],
         why: &str,
     ) -> Result<()> {
-        device_only(dst, "uploaded to")?;
+        dst.check_device_only("uploaded to")?;
         dst.check_range(dst_offset, bytes.len() as u64)?;
         let mut offset = dst_offset;
         for piece in bytes.chunks(self.chunk_bytes) {
