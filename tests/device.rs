@@ -344,20 +344,24 @@ fn devices_are_listed_and_chosen() {
 const CHILD: &str = "TEXRAY_TEST_NO_DRIVER";
 
 #[test]
-fn without_a_driver_the_error_says_what_to_install() {
+fn without_a_driver_or_layer_the_error_says_what_to_install() {
     if std::env::var_os(CHILD).is_some() {
+        let validated = ContextOptions { validation: true, ..ContextOptions::default() };
+        let error = Context::new(&validated).unwrap_err();
+        assert!(matches!(&error, Error::NoDevice(text) if text.contains("vulkan-validationlayers")), "{error}");
         for error in [Context::new(&ContextOptions::default()).unwrap_err(), list_devices().unwrap_err()] {
             assert!(matches!(&error, Error::NoDevice(text) if text.contains("mesa-vulkan-drivers")), "{error}");
         }
         return;
     }
-    // The loader reads its environment once a process, so the case without drivers needs a process of its own.
+    // The loader reads its environment once a process, so the case without drivers and layers needs a process of its own.
     let output = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "without_a_driver_the_error_says_what_to_install", "--nocapture"])
+        .args(["--exact", "without_a_driver_or_layer_the_error_says_what_to_install", "--nocapture"])
         .env(CHILD, "1")
         .env("VK_DRIVER_FILES", "/dev/null")
         // The same under the older name, for loaders before 1.3.207.
         .env("VK_ICD_FILENAMES", "/dev/null")
+        .env("VK_LAYER_PATH", "/dev/null")
         .output()
         .unwrap();
     let text = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
