@@ -4,8 +4,26 @@
 //! list the triangles, or no tree at all. Trees are built on the CPU, in parallel where it pays.
 
 pub mod aabb;
+mod accel;
+mod binary;
+mod check;
+mod collapse;
+pub mod intersect;
+mod median;
+mod primitive;
+mod quantise;
+mod sah;
+mod slots;
+pub mod stats;
+mod subdivide;
+pub mod traverse;
+mod traverse_wide;
+mod wide;
 
 pub use aabb::Aabb;
+pub use intersect::{Hit, Intersector, Ray};
+pub use stats::TreeStats;
+pub use traverse::{Tracer, Work};
 
 /// What finds the hit of a ray.
 #[derive(Clone, Debug)]

@@ -1,0 +1,146 @@
+//! Which nodes of a binary tree become the children of a wide one.
+//!
+//! Comes in: a binary tree. Goes out: for each of its nodes, the cheapest way to stand for it by at most `i` children of
+//! a wide node, found by the dynamic programme of Ylitie, Karras and Laine (HPG 2017, section 3.1): with area `A` and
+//! `n` triangles below,
+//!
+//! ```text
+//! C(node, 1) = min(A n TRIANGLE_COST if n <= 3, C_distribute(node, 8) + A NODE_COST)
+//! C(node, i) = min(C_distribute(node, i), C(node, i - 1))
+//! C_distribute(node, j) = min over 0 < k < j of C(left, k) + C(right, j - k)
+//! ```
+//!
+//! May be assumed: a wide node's children lie below its own binary node, so the wide tree is no deeper than the binary.
+
+use super::BinaryNode;
+use crate::interface::{WIDE_CHILDREN, WIDE_LEAF_TRIANGLES};
+
+/// Cost of visiting a wide node.
+pub(super) const NODE_COST: f32 = 1.0;
+/// Cost of testing a triangle, in wide nodes.
+pub(super) const TRIANGLE_COST: f32 = 0.3;
+/// Subtrees with fewer nodes are not worth a task of their own.
+const TASK: usize = 1 << 13;
+const WIDTH: usize = WIDE_CHILDREN as usize;
+
+/// The answer for one binary node.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    /// `costs[i - 1]` is `C(node, i)`.
+    costs: [f32; WIDTH - 1],
+    /// `shares[j - 1]`, `j` from 2: the left child's share of `j` children, or 0 where `j - 1` children are no worse.
+    shares: [u8; WIDTH],
+    /// Triangles below, where they fit a leaf; otherwise one more than fit.
+    triangles: u8,
+    /// Whether the node, standing as one child, is a leaf.
+    leaf: bool,
+}
+
+/// The answers for all nodes.
+pub(super) struct Collapse<'a> {
+    nodes: &'a [BinaryNode],
+    rows: Vec<Row>,
+}
+
+impl<'a> Collapse<'a> {
+    /// Solves for every node of a tree laid out as [`super::subdivide`] does, with at most [`WIDE_LEAF_TRIANGLES`]
+    /// triangles a leaf.
+    pub fn solve(nodes: &'a [BinaryNode]) -> Collapse<'a> {
+        let mut rows = vec![Row::default(); nodes.len()];
+        if let Some((root, below)) = rows.split_first_mut() {
+            *root = solve_below(nodes, 0, below);
+        }
+        Collapse { nodes, rows }
+    }
+
+    /// The binary nodes that become the children of the wide node that stands for `node`; returns how many.
+    pub fn children(&self, node: u32, children: &mut [u32; WIDTH]) -> usize {
+        let mut count = 0;
+        self.collect(node, WIDTH, children, &mut count);
+        count
+    }
+
+    /// Whether a binary node, as one child of a wide node, is a leaf.
+    pub fn is_leaf(&self, node: u32) -> bool {
+        self.rows[node as usize].leaf
+    }
+
+    /// First leaf-order position and number of the triangles below a node that is a leaf.
+    pub fn triangles(&self, node: u32) -> (u32, u32) {
+        let mut first = node as usize;
+        while self.nodes[first].count == 0 {
+            first = self.nodes[first].first as usize;
+        }
+        (self.nodes[first].first, u32::from(self.rows[node as usize].triangles))
+    }
+
+    fn collect(&self, node: u32, slots: usize, children: &mut [u32; WIDTH], count: &mut usize) {
+        let BinaryNode { first, count: triangles, .. } = self.nodes[node as usize];
+        let mut slots = slots;
+        while slots > 1 && triangles == 0 {
+            let share = usize::from(self.rows[node as usize].shares[slots - 1]);
+            if share > 0 {
+                self.collect(first, share, children, count);
+                self.collect(first + 1, slots - share, children, count);
+                return;
+            }
+            slots -= 1;
+        }
+        children[*count] = node;
+        *count += 1;
+    }
+}
+
+/// Solves for a node; `below` are the rows of the nodes below it, which start with its children's.
+fn solve_below(nodes: &[BinaryNode], node: u32, below: &mut [Row]) -> Row {
+    let BinaryNode { bounds, first, count } = nodes[node as usize];
+    let area = bounds.half_area();
+    if count > 0 {
+        let cost = area * count as f32 * TRIANGLE_COST;
+        return Row { costs: [cost; WIDTH - 1], shares: [0; WIDTH], triangles: count as u8, leaf: true };
+    }
+    let (pair, rest) = below.split_at_mut(2);
+    // Below the left child first, below the right child after it; a leaf has nothing below.
+    let right = nodes[first as usize + 1];
+    let left_length = if right.count > 0 { rest.len() } else { (right.first - first - 2) as usize };
+    let is_task = rest.len() >= TASK;
+    let (left_rest, right_rest) = rest.split_at_mut(left_length);
+    let mut solve_left = || solve_below(nodes, first, left_rest);
+    let mut solve_right = || solve_below(nodes, first + 1, right_rest);
+    let (left, right) = if is_task { rayon::join(solve_left, solve_right) } else { (solve_left(), solve_right()) };
+    (pair[0], pair[1]) = (left, right);
+    combine(&left, &right, area)
+}
+
+fn combine(left: &Row, right: &Row, area: f32) -> Row {
+    let mut row =
+        Row { triangles: (left.triangles + right.triangles).min(WIDE_LEAF_TRIANGLES as u8 + 1), ..Row::default() };
+    let mut distributed = [f32::INFINITY; WIDTH + 1];
+    for slots in 2..=WIDTH {
+        let mut best = (f32::INFINITY, 1);
+        for share in 1..slots {
+            let cost = left.costs[share - 1] + right.costs[slots - share - 1];
+            if cost < best.0 {
+                best = (cost, share);
+            }
+        }
+        distributed[slots] = best.0;
+        row.shares[slots - 1] = best.1 as u8;
+    }
+    let inner = distributed[WIDTH] + area * NODE_COST;
+    let leaf = if u32::from(row.triangles) <= WIDE_LEAF_TRIANGLES {
+        area * f32::from(row.triangles) * TRIANGLE_COST
+    } else {
+        f32::INFINITY
+    };
+    row.leaf = leaf <= inner && u32::from(row.triangles) <= WIDE_LEAF_TRIANGLES;
+    row.costs[0] = leaf.min(inner);
+    for slots in 2..WIDTH {
+        row.costs[slots - 1] = distributed[slots].min(row.costs[slots - 2]);
+        // The full width always distributes: a wide node has at least two children.
+        if distributed[slots] >= row.costs[slots - 2] {
+            row.shares[slots - 1] = 0;
+        }
+    }
+    row
+}

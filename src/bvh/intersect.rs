@@ -1,0 +1,253 @@
+//! A ray against a box and against a triangle, in f32: the twin of the shader, operation for operation.
+//!
+//! Comes in: a ray, boxes and triangles within [-1, 1]^3. Goes out: hits ordered by a key that depends on the ray and
+//! the triangle alone, so that every tree and no tree return the same hit, bit for bit. May be assumed: no operation is
+//! contracted or reordered (Rust never does; the shader says `precise`), and no NaN ever wins.
+//!
+//! # Boxes
+//!
+//! `u` = 2^-24, `o` the origin, `reach = max |o| + 1`. A plane at `p` is crossed at `(p - (o ± pad)) * inv`. Seen as an
+//! error in position (the error in t divided by `inv`), the exact form errs by `u |o|` in `o ± pad`, `u (|o| + 1)` in
+//! the difference and as much in the product: less than `4 u reach`, `pad` itself being below `2^-19 reach`. A
+//! quantised plane, `q * (cell * inv) + (origin - (o ± pad)) * inv`, errs by `u |q cell| <= 3 u` in its first product
+//! (`cell` is a power of two, so `cell * inv` is exact), by `u |o| + 2 u (|o| + 1)` in its second, and by
+//! `u (|o| + 1)` in the sum: less than `8 u reach`, contracted or not. Nodes are padded by `2^-19 reach`, triangles by
+//! `2^-20 reach`: the difference, `16 u reach`, is more than both errors together. So the computed interval of a node
+//! contains that of every triangle below it.
+//!
+//! # Order of hits
+//!
+//! A triangle counts only if its own padded box is met (`entry <= exit`, `exit >= 0`), and its key is
+//! `max(t, entry)`, times `1 - 2^-16` if it emits. Hence `entry` of each box around it is at most
+//! `key / (1 - 2^-16) < key (1 + 2^-15)`, the bound by which boxes are culled: none is left out that holds a hit with
+//! the smallest key or one equal to it, and equal keys go to the smaller id.
+
+use glam::Vec3;
+
+use crate::interface::NO_INDEX;
+
+/// Components of a direction count as at least this in box tests, so that no plane gives 0 * infinity.
+const MIN_DIRECTION: f32 = 1e-18;
+/// Padding of nodes, relative to the ray's reach: 2^-19.
+const NODE_PAD: f32 = 1.0 / 524_288.0;
+/// Padding of triangles' own boxes, relative to the ray's reach: 2^-20.
+const TRIANGLE_PAD: f32 = 1.0 / 1_048_576.0;
+/// A box is culled if it is entered beyond the best key times this: 1 + 2^-15.
+pub(super) const CULL: f32 = 1.0 + 1.0 / 32_768.0;
+/// Keys of emitting triangles are multiplied by this, 1 - 2^-16, so that a tie goes to them.
+const EMITTER_KEY: f32 = 1.0 - 1.0 / 65_536.0;
+/// Key of having hit nothing: 2^100, beyond any hit of a ray with a direction of length 2^-40 or more.
+pub const NO_HIT_KEY: f32 = 1.267_650_6e30;
+
+/// Which triangle test decides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Intersector {
+    /// Watertight test of Woop, Benthin and Wald (JCGT 2013).
+    #[default]
+    Watertight,
+    /// Test of Möller and Trumbore (1997): leaks at edges, kept for comparison.
+    MollerTrumbore,
+}
+
+/// A ray: origin, direction (of any length), and the triangle it must not hit.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Origin.
+    pub origin: Vec3,
+    /// Direction; t counts in its lengths.
+    pub direction: Vec3,
+    /// Id of a triangle to leave out, the one the ray starts on, or [`NO_INDEX`].
+    pub skip: u32,
+}
+
+impl Ray {
+    /// A ray that may hit any triangle.
+    pub fn new(origin: Vec3, direction: Vec3) -> Ray {
+        Ray { origin, direction, skip: NO_INDEX }
+    }
+
+    /// Whether it can be traced: finite, with a direction other than zero. Other rays hit nothing.
+    pub fn is_valid(&self) -> bool {
+        self.origin.is_finite() && self.direction.is_finite() && self.direction != Vec3::ZERO
+    }
+}
+
+/// A hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Position of the triangle in file order.
+    pub id: u32,
+    /// What hits are ordered by: `max(t, entry)`, lowered for emitters.
+    pub key: f32,
+    /// Barycentric coordinate of the second corner.
+    pub b1: f32,
+    /// Barycentric coordinate of the third corner.
+    pub b2: f32,
+}
+
+impl Hit {
+    /// No hit: loses against any.
+    pub const NONE: Hit = Hit { id: NO_INDEX, key: NO_HIT_KEY, b1: 0.0, b2: 0.0 };
+
+    /// Whether it comes before another. False where a key is NaN.
+    pub fn precedes(&self, other: &Hit) -> bool {
+        self.key < other.key || (self.key == other.key && self.id < other.id)
+    }
+}
+
+/// A triangle as it is laid out for tracing.
+#[derive(Clone, Copy, Debug)]
+pub struct TracedTriangle {
+    /// Corner positions.
+    pub positions: [Vec3; 3],
+    /// Position in file order.
+    pub id: u32,
+    /// Whether its material emits.
+    pub emits: bool,
+}
+
+/// A ray with what every box and triangle test needs of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Prepared {
+    pub origin: [f32; 3],
+    direction: [f32; 3],
+    /// Reciprocal direction, clamped.
+    pub inverse: [f32; 3],
+    /// Origin plus, and minus, the padding of nodes.
+    pub node_origin: [[f32; 3]; 2],
+    triangle_origin: [[f32; 3]; 2],
+    /// Axes of the watertight test: two sheared ones and the one along which the direction is longest.
+    axes: [usize; 3],
+    /// Shear along the first two axes and scale along the third.
+    shear: [f32; 3],
+}
+
+impl Prepared {
+    pub fn new(ray: &Ray) -> Prepared {
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+        let inverse = direction.map(|d| 1.0 / if d.abs() >= MIN_DIRECTION { d } else { MIN_DIRECTION.copysign(d) });
+        let reach = origin[0].abs().max(origin[1].abs()).max(origin[2].abs()) + 1.0;
+        let padded = |pad: f32| [origin.map(|o| o + pad), origin.map(|o| o - pad)];
+        let length = direction.map(f32::abs);
+        let mut kz = 0;
+        if length[1] > length[kz] {
+            kz = 1;
+        }
+        if length[2] > length[kz] {
+            kz = 2;
+        }
+        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
+        let shear = [direction[kx] / direction[kz], direction[ky] / direction[kz], 1.0 / direction[kz]];
+        Prepared {
+            origin,
+            direction,
+            inverse,
+            node_origin: padded(reach * NODE_PAD),
+            triangle_origin: padded(reach * TRIANGLE_PAD),
+            axes: [kx, ky, kz],
+            shear,
+        }
+    }
+
+    /// Entry and exit of a box seen from an origin moved by plus and by minus the padding.
+    #[inline]
+    fn interval(&self, low: Vec3, high: Vec3, origins: &[[f32; 3]; 2]) -> (f32, f32) {
+        let (mut near, mut far) = ([0.0f32; 3], [0.0f32; 3]);
+        for axis in 0..3 {
+            let t_low = (low[axis] - origins[0][axis]) * self.inverse[axis];
+            let t_high = (high[axis] - origins[1][axis]) * self.inverse[axis];
+            (near[axis], far[axis]) = if self.inverse[axis] >= 0.0 { (t_low, t_high) } else { (t_high, t_low) };
+        }
+        (near[0].max(near[1]).max(near[2]), far[0].min(far[1]).min(far[2]))
+    }
+
+    /// Whether a node's box is met before `cull`, and where it is entered.
+    #[inline]
+    pub fn enters(&self, low: Vec3, high: Vec3, cull: f32) -> (bool, f32) {
+        let (entry, exit) = self.interval(low, high, &self.node_origin);
+        (entry <= exit && exit >= 0.0 && entry <= cull, entry)
+    }
+
+    /// The hit of a triangle, if there is one.
+    #[inline]
+    pub fn hit(&self, triangle: &TracedTriangle, intersector: Intersector) -> Option<Hit> {
+        let (t, b1, b2) = match intersector {
+            Intersector::Watertight => self.watertight(&triangle.positions)?,
+            Intersector::MollerTrumbore => self.moller_trumbore(&triangle.positions)?,
+        };
+        // Written so that a NaN is refused.
+        if !(t > 0.0) {
+            return None;
+        }
+        let [v0, v1, v2] = triangle.positions;
+        let (entry, exit) = self.interval(v0.min(v1).min(v2), v0.max(v1).max(v2), &self.triangle_origin);
+        if !(entry <= exit && exit >= 0.0) {
+            return None;
+        }
+        let key = t.max(entry) * if triangle.emits { EMITTER_KEY } else { 1.0 };
+        Some(Hit { id: triangle.id, key, b1, b2 })
+    }
+
+    /// t and barycentrics of the second and third corner, by Woop, Benthin and Wald (JCGT 2013), two-sided. Edge
+    /// functions of a shared edge are the same products subtracted the other way round, so no ray passes between.
+    #[inline]
+    fn watertight(&self, positions: &[Vec3; 3]) -> Option<(f32, f32, f32)> {
+        let [kx, ky, kz] = self.axes;
+        let [sx, sy, sz] = self.shear;
+        let relative = positions.map(|v| {
+            let v = v.to_array();
+            [v[kx] - self.origin[kx], v[ky] - self.origin[ky], v[kz] - self.origin[kz]]
+        });
+        let [[ax, ay], [bx, by], [cx, cy]] = relative.map(|[x, y, z]| [x - sx * z, y - sy * z]);
+        let u = cx * by - cy * bx;
+        let v = ax * cy - ay * cx;
+        let w = bx * ay - by * ax;
+        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+            return None;
+        }
+        let det = u + v + w;
+        if det == 0.0 {
+            return None;
+        }
+        let [az, bz, cz] = relative.map(|[_, _, z]| sz * z);
+        let t = (u * az + v * bz + w * cz) / det;
+        Some((t, v / det, w / det))
+    }
+
+    /// The same by Möller and Trumbore (1997). Only an exactly zero determinant is refused.
+    #[inline]
+    fn moller_trumbore(&self, positions: &[Vec3; 3]) -> Option<(f32, f32, f32)> {
+        let [v0, v1, v2] = positions.map(|v| v.to_array());
+        let (e1, e2) = (subtract(v1, v0), subtract(v2, v0));
+        let p = cross(self.direction, e2);
+        let det = dot(e1, p);
+        if det == 0.0 {
+            return None;
+        }
+        let inverse = 1.0 / det;
+        let s = subtract(self.origin, v0);
+        let b1 = dot(s, p) * inverse;
+        if !(0.0..=1.0).contains(&b1) {
+            return None;
+        }
+        let q = cross(s, e1);
+        let b2 = dot(self.direction, q) * inverse;
+        if b2 < 0.0 || !(b1 + b2 <= 1.0) {
+            return None;
+        }
+        Some((dot(e2, q) * inverse, b1, b2))
+    }
+}
+
+fn subtract(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
