@@ -116,16 +116,14 @@ fn combine(left: &Row, right: &Row, area: f32) -> Row {
     let mut row =
         Row { triangles: (left.triangles + right.triangles).min(WIDE_LEAF_TRIANGLES as u8 + 1), ..Row::default() };
     let mut distributed = [f32::INFINITY; WIDTH + 1];
-    for slots in 2..=WIDTH {
-        let mut best = (f32::INFINITY, 1);
+    for (slots, least) in distributed.iter_mut().enumerate().skip(2) {
         for share in 1..slots {
             let cost = left.costs[share - 1] + right.costs[slots - share - 1];
-            if cost < best.0 {
-                best = (cost, share);
+            if cost < *least || share == 1 {
+                *least = cost;
+                row.shares[slots - 1] = share as u8;
             }
         }
-        distributed[slots] = best.0;
-        row.shares[slots - 1] = best.1 as u8;
     }
     let inner = distributed[WIDTH] + area * NODE_COST;
     let leaf = if u32::from(row.triangles) <= WIDE_LEAF_TRIANGLES {
@@ -135,10 +133,11 @@ fn combine(left: &Row, right: &Row, area: f32) -> Row {
     };
     row.leaf = leaf <= inner && u32::from(row.triangles) <= WIDE_LEAF_TRIANGLES;
     row.costs[0] = leaf.min(inner);
-    for slots in 2..WIDTH {
-        row.costs[slots - 1] = distributed[slots].min(row.costs[slots - 2]);
-        // The full width always distributes: a wide node has at least two children.
-        if distributed[slots] >= row.costs[slots - 2] {
+    // The full width always distributes: a wide node has at least two children.
+    for (slots, &cost) in distributed.iter().enumerate().take(WIDTH).skip(2) {
+        let fewer = row.costs[slots - 2];
+        row.costs[slots - 1] = cost.min(fewer);
+        if cost >= fewer {
             row.shares[slots - 1] = 0;
         }
     }

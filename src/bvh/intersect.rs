@@ -176,13 +176,15 @@ impl Prepared {
             Intersector::Watertight => self.watertight(&triangle.positions)?,
             Intersector::MollerTrumbore => self.moller_trumbore(&triangle.positions)?,
         };
-        // Written so that a NaN is refused.
-        if !(t > 0.0) {
+        // Asked this way round, a NaN is refused.
+        let is_ahead = t > 0.0;
+        if !is_ahead {
             return None;
         }
         let [v0, v1, v2] = triangle.positions;
         let (entry, exit) = self.interval(v0.min(v1).min(v2), v0.max(v1).max(v2), &self.triangle_origin);
-        if !(entry <= exit && exit >= 0.0) {
+        let meets_box = entry <= exit && exit >= 0.0;
+        if !meets_box {
             return None;
         }
         let key = t.max(entry) * if triangle.emits { EMITTER_KEY } else { 1.0 };
@@ -233,7 +235,8 @@ impl Prepared {
         }
         let q = cross(s, e1);
         let b2 = dot(self.direction, q) * inverse;
-        if b2 < 0.0 || !(b1 + b2 <= 1.0) {
+        let is_inside = b2 >= 0.0 && b1 + b2 <= 1.0;
+        if !is_inside {
             return None;
         }
         Some((dot(e2, q) * inverse, b1, b2))

@@ -114,9 +114,9 @@ impl Bins {
         for primitive in primitives {
             let index = grid.bins(primitive);
             let bounds = primitive.box4();
-            for axis in 0..3 {
-                bins.boxes[axis][index[axis]].grow(bounds);
-                bins.counts[axis][index[axis]] += 1;
+            for (axis, bin) in index.into_iter().enumerate() {
+                bins.boxes[axis][bin].grow(bounds);
+                bins.counts[axis][bin] += 1;
             }
         }
         bins
@@ -185,11 +185,10 @@ fn consider(axis: usize, length: usize, part: impl Fn(usize) -> (Box4, u32), bes
         right_costs[at] = (bounds.half_area() * count as f32, count);
     }
     (bounds, count) = (Box4::EMPTY, 0);
-    for at in 1..length {
+    for (at, &(right_cost, right_count)) in right_costs.iter().enumerate().take(length).skip(1) {
         let (part_box, part_count) = part(at - 1);
         bounds.grow(part_box);
         count += part_count;
-        let (right_cost, right_count) = right_costs[at];
         let cost = bounds.half_area() * count as f32 + right_cost;
         if count > 0 && right_count > 0 && best.as_ref().is_none_or(|best| cost < best.cost) {
             *best = Some(Cut { axis, at, cost });

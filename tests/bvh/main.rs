@@ -205,7 +205,7 @@ fn only_the_watertight_test_does_not_leak() {
             let tracer = Tracer::new(&accel, mesh, |_| false, intersector);
             let leaks_of = |seed: u64| {
                 let mut random = Random(seed.wrapping_mul(0x1234_5678_9abc_def1));
-                let origin = if seed % 8 == 0 { Vec3::ZERO } else { random.point() * inner };
+                let origin = if seed.is_multiple_of(8) { Vec3::ZERO } else { random.point() * inner };
                 let [a, b, c] = mesh[random.below(mesh.len())].positions;
                 let target = match seed % 4 {
                     0 => a,
