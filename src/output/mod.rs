@@ -1,1 +1,17 @@
 //! Stage 7: pictures and reports, written whole or not at all.
+//!
+//! Comes in: a [`Picture`] of linear radiance and its [`Metadata`]. Goes out: files. What can be refused (an unknown
+//! extension, a folder that cannot be written) is refused by [`OutputFile::check`], before anything is rendered.
+
+mod exr;
+mod hdr;
+mod metadata;
+mod picture;
+mod png;
+pub mod tonemap;
+mod write;
+
+pub use metadata::Metadata;
+pub use picture::Picture;
+pub use tonemap::{Display, Tonemap};
+pub use write::{Format, OutputFile, check_writable, write_whole};

@@ -1,0 +1,36 @@
+//! PNG: the picture as 8-bit sRGB, marked as such, with all its facts as text.
+//!
+//! Comes in: a picture, how to show it, and its metadata. Goes out: the bytes of a file. A crop is as large as its
+//! window; where it lies in the image is among the facts.
+
+use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
+use rayon::prelude::*;
+
+use super::{Display, Metadata, Picture};
+
+/// The file's bytes, or why they cannot be made.
+pub fn encode(picture: &Picture, display: &Display, metadata: &Metadata) -> Result<Vec<u8>, String> {
+    let pixels: Vec<[u8; 3]> = picture.rgb.par_iter().map(|&rgb| display.bytes(rgb)).collect();
+    write(picture, pixels.as_flattened(), metadata).map_err(|error| error.to_string())
+}
+
+fn write(picture: &Picture, samples: &[u8], metadata: &Metadata) -> Result<Vec<u8>, EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, picture.width, picture.height);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
+    encoder.add_text_chunk("Software".into(), "texray".into())?;
+    for (key, value) in metadata.entries() {
+        // tEXt holds Latin-1 only; iTXt holds anything.
+        if value.chars().all(|character| u32::from(character) < 256) {
+            encoder.add_text_chunk(key.into(), value.into())?;
+        } else {
+            encoder.add_itxt_chunk(key.into(), value.into())?;
+        }
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(samples)?;
+    writer.finish()?;
+    Ok(bytes)
+}
