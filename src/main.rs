@@ -1,3 +1,49 @@
 //! The `texray` program: run one command, print the error, set the exit code.
+//!
+//! Exit codes: 0 done, 1 internal, 2 usage, 3 bad scene or input, 4 no usable device or device lost, 5 output, 7 invalid
+//! samples under `--strict`, 128 + n after signal n (129, 130, 143), with the picture saved.
 
-fn main() {}
+#![deny(unsafe_code)]
+
+mod cli;
+
+use std::error::Error;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use cli::streams::say;
+use cli::{Failure, Outcome};
+
+const INTERNAL: u8 = 1;
+const INVALID_SAMPLES: u8 = 7;
+const SIGNAL: u8 = 128;
+
+fn main() -> ExitCode {
+    let started = Instant::now();
+    // A panic is a bug of texray; its message is printed by the panic hook.
+    let code = match catch_unwind(AssertUnwindSafe(|| cli::run(started))) {
+        Ok(Ok(Outcome::Done)) => 0,
+        Ok(Ok(Outcome::InvalidSamples(count))) => {
+            say(&format!("error: {count} invalid samples were left out (--strict)"));
+            INVALID_SAMPLES
+        }
+        Ok(Ok(Outcome::Signal(signal))) => SIGNAL.saturating_add(signal),
+        Ok(Err(Failure::Arguments(error))) => {
+            // Help and version come this way too, with the code 0 and on stdout. Nothing can be told to a closed stream.
+            let _ = error.print();
+            u8::try_from(error.exit_code()).unwrap_or(INTERNAL)
+        }
+        Ok(Err(Failure::Command(error))) => {
+            say(&format!("error: {error}"));
+            let mut cause = error.source();
+            while let Some(error) = cause {
+                say(&format!("  caused by: {error}"));
+                cause = error.source();
+            }
+            error.exit_code()
+        }
+        Err(_) => INTERNAL,
+    };
+    ExitCode::from(code)
+}

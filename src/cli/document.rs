@@ -1,0 +1,122 @@
+//! The JSON document of a render.
+//!
+//! Comes in: a finished render and what was asked for. Goes out: one value to print. Figures that cannot be known yet
+//! are null, never left out.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use texray::render::{Bytes, RenderReport, Settings, StageSeconds, StopReason};
+use texray::scene::Scene;
+
+use super::engine::DeviceLine;
+use super::process;
+
+/// What `render --json` prints. Times are in seconds of wall time, sizes in bytes.
+#[derive(Serialize)]
+pub struct Document<'a> {
+    schema: u32,
+    scene: String,
+    device: &'a str,
+    driver: &'a str,
+    width: u32,
+    height: u32,
+    crop: Option<[u32; 4]>,
+    spp: u32,
+    max_bounces: u32,
+    seed: u64,
+    triangles: usize,
+    effects: &'a [&'static str],
+    stop_reason: StopReason,
+    seconds: StageSeconds,
+    paths: u64,
+    rays: u64,
+    paths_per_second: Option<f64>,
+    rays_per_second: Option<f64>,
+    node_visits: u64,
+    triangle_tests: u64,
+    error: Option<ErrorFigures>,
+    bias: Bias,
+    invalid_samples: &'a BTreeMap<&'static str, u64>,
+    empty_pixels: usize,
+    table_wraps: u64,
+    bytes: Bytes,
+    peak_rss_bytes: Option<u64>,
+    outputs: Vec<String>,
+    warnings: &'a [String],
+}
+
+/// The error by its own estimate; null where there are fewer than two blocks.
+#[derive(Serialize)]
+struct ErrorFigures {
+    relative_rmse: f64,
+    upper: Option<f64>,
+    confidence: Option<f64>,
+}
+
+/// Energy lost on purpose.
+#[derive(Serialize)]
+struct Bias {
+    bounce_cap: Option<f64>,
+}
+
+/// What a document is made of.
+pub struct Facts<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// What was asked for.
+    pub settings: &'a Settings,
+    /// The device.
+    pub device: &'a DeviceLine,
+    /// Figures, with the caller's times filled in.
+    pub report: &'a RenderReport,
+    /// Estimated relative RMSE.
+    pub relative_rmse: Option<f64>,
+    /// Pixels without a valid sample.
+    pub empty_pixels: usize,
+    /// Files written.
+    pub outputs: Vec<String>,
+}
+
+impl<'a> Document<'a> {
+    /// The document of a render.
+    pub fn new(facts: Facts<'a>) -> Document<'a> {
+        let Facts { scene, settings, device, report, .. } = facts;
+        let per_second = |count: u64| (report.seconds.render > 0.0).then(|| count as f64 / report.seconds.render);
+        Document {
+            schema: 1,
+            scene: scene.path.display().to_string(),
+            device: &device.name,
+            driver: &device.driver,
+            width: settings.width,
+            height: settings.height,
+            crop: settings.crop,
+            spp: report.spp,
+            max_bounces: settings.max_bounces,
+            seed: settings.seed,
+            triangles: scene.triangles.len(),
+            effects: &report.effects,
+            stop_reason: report.stop_reason,
+            seconds: report.seconds,
+            paths: report.paths,
+            rays: report.rays,
+            paths_per_second: per_second(report.paths),
+            rays_per_second: per_second(report.rays),
+            node_visits: report.node_visits,
+            triangle_tests: report.triangle_tests,
+            error: facts.relative_rmse.map(|relative_rmse| ErrorFigures {
+                relative_rmse,
+                upper: None,
+                confidence: None,
+            }),
+            bias: Bias { bounce_cap: None },
+            invalid_samples: &report.invalid_samples,
+            empty_pixels: facts.empty_pixels,
+            table_wraps: report.table_wraps,
+            bytes: report.bytes,
+            peak_rss_bytes: process::peak_rss_bytes(),
+            outputs: facts.outputs,
+            warnings: &scene.report.warnings,
+        }
+    }
+}

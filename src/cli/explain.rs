@@ -1,0 +1,65 @@
+//! `texray explain SCENE`: which effects a scene calls for, and why.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+use texray::Result;
+use texray::scene::Filter;
+
+use super::engine::{self, EffectLine};
+use super::settings::{EffectsChoice, SettingsArgs};
+use super::{Outcome, streams};
+
+/// Print the effects that a scene calls for, each with the reason
+#[derive(Args)]
+pub struct ExplainArgs {
+    /// The scene: a .toml scene or a bare .obj
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Pixel filter [default: the scene's, else blackman-harris]
+    #[arg(long, value_enum)]
+    filter: Option<Filter>,
+    /// Effects compiled into the kernel
+    #[arg(long, value_enum, default_value_t)]
+    effects: EffectsChoice,
+    /// Print one JSON document on stdout instead of a table
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Document {
+    schema: u32,
+    scene: String,
+    triangles: usize,
+    effects: Vec<EffectLine>,
+}
+
+impl ExplainArgs {
+    /// Prints set and reasons on stdout.
+    pub fn run(&self) -> Result<Outcome> {
+        let scene = engine::load(&self.scene)?;
+        for warning in &scene.report.warnings {
+            streams::say(&format!("warning: {warning}"));
+        }
+        let arguments = SettingsArgs::of_effects(self.filter, self.effects);
+        let effects = engine::effects(&scene, &arguments.settings(&scene)?);
+        if self.json {
+            let document = Document { schema: 1, scene: scene.name.clone(), triangles: scene.triangles.len(), effects };
+            streams::answer_json(&document)?;
+            return Ok(Outcome::Done);
+        }
+        streams::answer(&table(&effects).join("\n"))?;
+        Ok(Outcome::Done)
+    }
+}
+
+/// One line an effect: name, on or off, reason.
+pub fn table(effects: &[EffectLine]) -> Vec<String> {
+    let width = effects.iter().map(|effect| effect.name.len()).max().unwrap_or(0);
+    let line = |effect: &EffectLine| {
+        format!("{:width$}  {:3}  {}", effect.name, if effect.on { "on" } else { "off" }, effect.reason)
+    };
+    effects.iter().map(line).collect()
+}

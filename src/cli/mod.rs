@@ -1,0 +1,75 @@
+//! The command line: arguments to a checked request, the library's answer to text, JSON and files.
+//!
+//! Comes in: the process's arguments. Goes out: an [`Outcome`] or a [`Failure`], which `main` turns into an exit code.
+//! One file a subcommand.
+
+mod devices;
+mod document;
+mod engine;
+mod explain;
+mod not_built;
+mod parse;
+mod process;
+mod progress;
+mod render;
+mod save;
+mod settings;
+mod signals;
+pub mod streams;
+
+use std::time::Instant;
+
+use clap::{Parser, Subcommand};
+
+/// How a command that did not fail ended.
+pub enum Outcome {
+    /// Everything asked for is done.
+    Done,
+    /// `--strict`, and this many samples were left out; pictures are saved.
+    InvalidSamples(u64),
+    /// Stopped by this signal; what there was is saved.
+    Signal(u8),
+}
+
+/// Why a command failed.
+pub enum Failure {
+    /// The arguments cannot be parsed, or ask for help or the version.
+    Arguments(clap::Error),
+    /// Anything else.
+    Command(texray::Error),
+}
+
+impl From<texray::Error> for Failure {
+    fn from(error: texray::Error) -> Failure {
+        Failure::Command(error)
+    }
+}
+
+/// A Monte Carlo path tracer that drives Vulkan compute shaders directly.
+#[derive(Parser)]
+#[command(name = "texray", version, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Render(Box<render::RenderArgs>),
+    Explain(explain::ExplainArgs),
+    Devices(devices::DevicesArgs),
+}
+
+/// Runs the command that the process was started with, at `started`.
+pub fn run(started: Instant) -> Result<Outcome, Failure> {
+    let arguments = Arguments::try_parse().map_err(|error| match not_built::named_by(&error) {
+        Some(name) => Failure::Command(texray::Error::Usage(format!("{name} is not built yet"))),
+        None => Failure::Arguments(error),
+    })?;
+    let outcome = match arguments.command {
+        Command::Render(arguments) => arguments.run(started)?,
+        Command::Explain(arguments) => arguments.run()?,
+        Command::Devices(arguments) => arguments.run()?,
+    };
+    Ok(outcome)
+}

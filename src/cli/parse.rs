@@ -1,0 +1,84 @@
+//! Values of options that clap has no parser for.
+//!
+//! Comes in: the text of one value. Goes out: a checked value, or what is allowed.
+
+use texray::render::Roulette;
+
+/// Largest side of a picture in pixels.
+const LARGEST_SIDE: u32 = 16384;
+/// Largest exposure in stops, either way.
+const LARGEST_EXPOSURE: f64 = 100.0;
+
+/// `WxH` in pixels.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let side = |text: &str| text.parse().ok().filter(|side| (1..=LARGEST_SIDE).contains(side));
+    let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
+    sides.ok_or_else(|| format!("use WIDTHxHEIGHT in pixels, each 1 to {LARGEST_SIDE}"))
+}
+
+/// `x,y,w,h` in pixels, not empty; whether it lies in the picture is known later.
+pub fn crop(text: &str) -> Result<[u32; 4], String> {
+    let numbers: Vec<u32> = text.split(',').map_while(|number| number.trim().parse().ok()).collect();
+    match <[u32; 4]>::try_from(numbers) {
+        Ok(crop) if crop[2] > 0 && crop[3] > 0 && text.split(',').count() == 4 => Ok(crop),
+        _ => Err("use x,y,w,h in pixels: the window's upper left corner, then its width and height, at least 1".into()),
+    }
+}
+
+/// `throughput`, `off` or a probability.
+pub fn roulette(text: &str) -> Result<Roulette, String> {
+    match (text, text.parse::<f32>()) {
+        ("throughput", _) => Ok(Roulette::Throughput),
+        ("off", _) => Ok(Roulette::Off),
+        (_, Ok(survival)) if survival > 0.0 && survival <= 1.0 => Ok(Roulette::Fixed(survival)),
+        _ => Err("use throughput, off, or a probability of survival above 0 and at most 1".into()),
+    }
+}
+
+/// Exposure in stops.
+pub fn exposure(text: &str) -> Result<f64, String> {
+    let stops = text.parse().ok().filter(|stops: &f64| stops.abs() <= LARGEST_EXPOSURE);
+    stops.ok_or_else(|| format!("use stops from -{LARGEST_EXPOSURE} to {LARGEST_EXPOSURE}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("800x600"), Ok([800, 600]));
+        assert_eq!(size("16384x1"), Ok([16384, 1]));
+        for bad in ["", "800", "0x600", "800x0", "16385x1", "-1x2", "800x600x2", "4294967296x1", "axb", "800 x600"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn crops() {
+        assert_eq!(crop("1,2,3,4"), Ok([1, 2, 3, 4]));
+        for bad in
+            ["", "1,2,3", "1,2,3,4,5", "1,2,0,4", "1,2,3,0", "1,2,3,x", "-1,2,3,4", "1,2,3,4,", "1,2,3,99999999999"]
+        {
+            assert!(crop(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn roulettes() {
+        assert_eq!(roulette("off"), Ok(Roulette::Off));
+        assert_eq!(roulette("throughput"), Ok(Roulette::Throughput));
+        assert_eq!(roulette("1"), Ok(Roulette::Fixed(1.0)));
+        for bad in ["0", "-0.5", "1.01", "nan", "inf", "on", ""] {
+            assert!(roulette(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn exposures() {
+        assert_eq!(exposure("-1.5"), Ok(-1.5));
+        for bad in ["nan", "inf", "101", "", "1EV"] {
+            assert!(exposure(bad).is_err(), "{bad}");
+        }
+    }
+}

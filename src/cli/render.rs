@@ -1,0 +1,228 @@
+//! `texray render SCENE`: the picture.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::{ArgAction, Args};
+use texray::output::{Display, OutputFile, Picture, Tonemap, check_writable, write_whole};
+use texray::render::{Settings, StopReason};
+use texray::scene::Scene;
+use texray::{Error, Result};
+
+use super::document::{Document, Facts};
+use super::engine::{self, Engine, Rendered};
+use super::progress::{Reporter, duration, percent};
+use super::settings::SettingsArgs;
+use super::signals::Signals;
+use super::streams::{answer_json, json, say};
+use super::{Outcome, explain, parse, save};
+
+/// Render a scene to picture files
+#[derive(Args)]
+pub struct RenderArgs {
+    /// The scene: a .toml scene or a bare .obj
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Picture file, .exr, .png or .hdr; may be given several times [default: SCENE.exr and SCENE.png, here]
+    #[arg(short, long, value_name = "FILE", action = ArgAction::Append)]
+    output: Vec<PathBuf>,
+    /// Do not overwrite files
+    #[arg(long)]
+    no_clobber: bool,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    #[command(flatten)]
+    display: DisplayArgs,
+    #[command(flatten)]
+    running: RunningArgs,
+}
+
+/// Options that change 8-bit pictures only.
+#[derive(Args)]
+#[command(next_help_heading = "8-bit pictures")]
+struct DisplayArgs {
+    /// Exposure of 8-bit pictures in stops, -100 to 100
+    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = parse::exposure, allow_negative_numbers = true)]
+    exposure: f64,
+    /// Tone map of 8-bit pictures
+    #[arg(long, value_enum, default_value_t)]
+    tonemap: Tonemap,
+}
+
+/// Options about where and how it runs, and what it tells.
+#[derive(Args)]
+#[command(next_help_heading = "Running and reporting")]
+struct RunningArgs {
+    /// Device, by the number or name that `texray devices` lists [default: discrete, integrated, virtual, then CPU]
+    #[arg(long, value_name = "N|NAME")]
+    device: Option<String>,
+    /// Run under the Vulkan validation layers; a message is an internal error
+    #[arg(long)]
+    validation: bool,
+    /// Write the ledger of all transfers between CPU and GPU to this JSON file
+    #[arg(long, value_name = "FILE")]
+    ledger: Option<PathBuf>,
+    /// Exit with code 7 if any sample was invalid
+    #[arg(long)]
+    strict: bool,
+    /// Print one JSON document about the render on stdout
+    #[arg(long)]
+    json: bool,
+    /// No progress and no summary, only warnings and errors
+    #[arg(short, long, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Also print the effects with their reasons and the ledger of transfers
+    #[arg(short, long)]
+    verbose: bool,
+}
+
+impl RenderArgs {
+    /// Renders and writes. `started` is when the process began.
+    pub fn run(&self, started: Instant) -> Result<Outcome> {
+        let signals = Signals::watch()?;
+        self.check_files(None)?;
+        let (scene, seconds_load) = self.load()?;
+        if let Some(signal) = signals.received() {
+            return Ok(Outcome::Signal(signal));
+        }
+        let settings = self.settings.settings(&scene)?;
+        let files = self.check_files(Some(&scene.name))?;
+        let engine = Engine::open(self.running.device.as_deref(), self.running.validation)?;
+        self.tell_before(&scene, &settings, &engine);
+        let mut reporter = Reporter::new(self.running.quiet, signals.clone());
+        let rendered = engine.render(&scene, &settings, &mut reporter);
+        reporter.finish();
+        let mut rendered = rendered?;
+        rendered.report.seconds.load = seconds_load;
+        self.finish(started, &scene, &settings, &engine, &files, &mut rendered)?;
+        if !rendered.validation.is_empty() {
+            rendered.validation.iter().for_each(|message| say(&format!("validation: {message}")));
+            return Err(Error::Internal(format!("{} validation messages", rendered.validation.len())));
+        }
+        let invalid = rendered.report.invalid_samples.values().sum();
+        Ok(match signals.received() {
+            Some(signal) => Outcome::Signal(signal),
+            None if self.running.strict && invalid > 0 => Outcome::InvalidSamples(invalid),
+            None => Outcome::Done,
+        })
+    }
+
+    /// Checks the files that will be written; without `-o` their names are known once the scene's is.
+    fn check_files(&self, scene_name: Option<&str>) -> Result<Vec<OutputFile>> {
+        let files = save::check(&self.output, scene_name, self.no_clobber)?;
+        let ledger = self.running.ledger.as_deref();
+        let paths: Vec<_> = files.iter().map(OutputFile::path).chain(ledger).collect();
+        save::check_distinct(&self.scene, &paths)?;
+        ledger.map_or(Ok(()), |path| check_writable(path, self.no_clobber))?;
+        Ok(files)
+    }
+
+    fn load(&self) -> Result<(Scene, f64)> {
+        let started = Instant::now();
+        let scene = engine::load(&self.scene)?;
+        for warning in &scene.report.warnings {
+            say(&format!("warning: {warning}"));
+        }
+        if !self.settings.allow_black {
+            engine::check_emits(&scene)?;
+        }
+        Ok((scene, started.elapsed().as_secs_f64()))
+    }
+
+    fn tell_before(&self, scene: &Scene, settings: &Settings, engine: &Engine) {
+        if !self.running.quiet {
+            say(&format!("device {}", engine.device().summary));
+        }
+        if self.running.verbose {
+            explain::table(&engine::effects(scene, settings)).iter().for_each(|line| say(line));
+        }
+    }
+
+    /// Writes pictures and ledger, then tells about the render.
+    fn finish(
+        &self,
+        started: Instant,
+        scene: &Scene,
+        settings: &Settings,
+        engine: &Engine,
+        files: &[OutputFile],
+        rendered: &mut Rendered,
+    ) -> Result<()> {
+        let writing = Instant::now();
+        let relative_rmse = rendered.film.relative_rmse();
+        // Stopped before the first sample: there is no picture to save.
+        let files = if rendered.report.spp == 0 { &[] } else { files };
+        if !files.is_empty() {
+            let picture = Picture::new(settings.width, settings.height, settings.crop, rendered.film.mean())?;
+            let display = Display { exposure_stops: self.display.exposure, tonemap: self.display.tonemap };
+            let metadata = save::metadata(scene, settings, engine.device(), &rendered.report, relative_rmse);
+            save::write(files, &picture, &display, &metadata)?;
+        }
+        if let Some(path) = &self.running.ledger {
+            write_whole(path, self.no_clobber, json(&rendered.ledger)?.as_bytes())?;
+        }
+        rendered.report.seconds.write = writing.elapsed().as_secs_f64();
+        rendered.report.seconds.total = started.elapsed().as_secs_f64();
+        let facts = Facts {
+            scene,
+            settings,
+            device: engine.device(),
+            report: &rendered.report,
+            relative_rmse,
+            empty_pixels: rendered.film.empty_pixels(),
+            outputs: files.iter().map(|file| file.path().display().to_string()).collect(),
+        };
+        self.tell_after(&facts, rendered);
+        if self.running.json { answer_json(&Document::new(facts)) } else { Ok(()) }
+    }
+
+    fn tell_after(&self, facts: &Facts, rendered: &Rendered) {
+        let report = facts.report;
+        let invalid: Vec<_> = report.invalid_samples.iter().filter(|(_, count)| **count > 0).collect();
+        if !invalid.is_empty() {
+            let causes: Vec<_> = invalid.iter().map(|(cause, count)| format!("{count} {cause}")).collect();
+            say(&format!("warning: invalid samples were left out: {}", causes.join(", ")));
+        }
+        if facts.empty_pixels > 0 && report.spp > 0 {
+            say(&format!("warning: {} pixels have no valid sample and are black", facts.empty_pixels));
+        }
+        if self.running.quiet {
+            return;
+        }
+        if self.running.verbose {
+            say(&rendered.ledger_table);
+        }
+        say(&summary(facts));
+        let reason = match report.stop_reason {
+            StopReason::Spp => format!("done: all {} spp", report.spp),
+            StopReason::Interrupted => format!("stopped by a signal at {} of {} spp", report.spp, facts.settings.spp),
+        };
+        let files = if facts.outputs.is_empty() { "nothing".into() } else { facts.outputs.join(", ") };
+        say(&format!("{reason}; wrote {files}"));
+    }
+}
+
+/// What it cost and what it is worth. Error falls with the root of the samples, so half of it takes four times the time.
+fn summary(facts: &Facts) -> String {
+    let report = facts.report;
+    let error = match facts.relative_rmse {
+        Some(error) if error > 0.0 => format!(
+            "estimated relative RMSE {} (half of it: {} spp, about {})",
+            percent(error),
+            u64::from(report.spp) * 4,
+            duration(report.seconds.render * 4.0)
+        ),
+        Some(_) => "estimated relative RMSE 0 %".into(),
+        None => "error unknown before two blocks of 16 spp".into(),
+    };
+    let speed = report.paths as f64 / report.seconds.render.max(1e-9) / 1e6;
+    format!(
+        "{}x{}, {} spp, at most {} bounces: {} rendering of {} in all, {speed:.2} Mpaths/s; {error}",
+        facts.settings.width,
+        facts.settings.height,
+        report.spp,
+        facts.settings.max_bounces,
+        duration(report.seconds.render),
+        duration(report.seconds.total),
+    )
+}

@@ -1,0 +1,140 @@
+//! The options that decide what is computed: arguments and the scene's defaults to [`Settings`].
+//!
+//! Comes in: parsed options and a checked scene. Goes out: checked settings.
+
+use clap::{Args, ValueEnum, value_parser};
+use texray::bvh::Builder;
+use texray::render::{AccelKind, Buffers, Hemisphere, Intersector, LightPick, Lights, Roulette, Sampler, Settings};
+use texray::scene::{Filter, Scene};
+use texray::{Error, Result};
+
+use super::parse;
+
+/// Samples a pixel where neither the command line nor the scene says.
+const DEFAULT_SPP: u32 = 256;
+/// Bounces where neither the command line nor the scene says.
+const DEFAULT_MAX_BOUNCES: u32 = 8;
+
+/// Which effects are compiled into the kernel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum EffectsChoice {
+    /// Those that the scene calls for.
+    #[default]
+    Auto,
+    /// All of them; the picture is the same.
+    All,
+}
+
+/// Options that decide what is computed.
+#[derive(Args, Default)]
+#[command(next_help_heading = "Picture")]
+pub struct SettingsArgs {
+    /// Samples a pixel, 1 to 4294967295 [default: the scene's, else 256]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
+    spp: Option<u32>,
+    /// Picture size in pixels, each side 1 to 16384 [default: the scene's]
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    size: Option<[u32; 2]>,
+    /// Render only this window of the picture, in pixels from the upper left corner; the same pixels as in the whole
+    #[arg(long, value_name = "x,y,w,h", value_parser = parse::crop)]
+    crop: Option<[u32; 4]>,
+    /// Surface scatterings a path may have, 1 to 65535; 1 is direct light only [default: the scene's, else 8]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=65535))]
+    max_bounces: Option<u32>,
+    /// Pixel filter [default: the scene's, else blackman-harris]
+    #[arg(long, value_enum)]
+    filter: Option<Filter>,
+    /// Render even where nothing can emit light
+    #[arg(long)]
+    pub allow_black: bool,
+
+    /// Seed of all random numbers, 0 to 18446744073709551615
+    #[arg(long, value_name = "N", default_value_t, help_heading = "Method")]
+    seed: u64,
+    /// Random-number scheme
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    sampler: Sampler,
+    /// What finds the hits of rays
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    accel: AccelKind,
+    /// What builds the tree
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    builder: Builder,
+    /// Test of a ray against a triangle
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    intersector: Intersector,
+    /// How light is gathered
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    lights: Lights,
+    /// How one of several lights is chosen
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    light_pick: LightPick,
+    /// How diffuse directions are drawn
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    hemisphere: Hemisphere,
+    /// Russian roulette: by throughput, off, or a fixed probability of survival P, above 0 and at most 1
+    #[arg(long, value_name = "throughput|off|P", default_value = "throughput", value_parser = parse::roulette)]
+    #[arg(help_heading = "Method")]
+    roulette: Roulette,
+    /// How records are bound: texel buffers or storage buffers
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    buffers: Buffers,
+    /// Effects compiled into the kernel
+    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    effects: EffectsChoice,
+}
+
+impl SettingsArgs {
+    /// Defaults, but for what the set of effects depends on.
+    pub fn of_effects(filter: Option<Filter>, effects: EffectsChoice) -> SettingsArgs {
+        SettingsArgs { filter, effects, ..SettingsArgs::default() }
+    }
+
+    /// The settings for `scene`, its defaults filled in.
+    pub fn settings(&self, scene: &Scene) -> Result<Settings> {
+        let [width, height] = self.size.unwrap_or([scene.film.width, scene.film.height]);
+        if let Some(crop) = self.crop {
+            let inside = |first: u32, count: u32, all: u32| first.checked_add(count).is_some_and(|end| end <= all);
+            if !inside(crop[0], crop[2], width) || !inside(crop[1], crop[3], height) {
+                let [x, y, w, h] = crop;
+                return Err(Error::Usage(format!(
+                    "--crop {x},{y},{w},{h} reaches beyond the picture of {width}x{height}"
+                )));
+            }
+        }
+        Ok(Settings {
+            width,
+            height,
+            crop: self.crop,
+            filter: self.filter.unwrap_or(scene.film.filter),
+            spp: self.spp.or(scene.render.spp).unwrap_or(DEFAULT_SPP),
+            max_bounces: self.max_bounces.or(scene.render.max_bounces).unwrap_or(DEFAULT_MAX_BOUNCES),
+            seed: self.seed,
+            sampler: self.sampler,
+            accel: self.accel,
+            builder: self.builder,
+            intersector: self.intersector,
+            lights: self.lights,
+            light_pick: self.light_pick,
+            hemisphere: self.hemisphere,
+            roulette: self.roulette,
+            buffers: self.buffers,
+            all_effects: self.effects == EffectsChoice::All,
+            allow_black: self.allow_black,
+        })
+    }
+}
+
+/// The name of an option's value, as it is typed.
+pub fn name(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map(|value| value.get_name().to_string()).unwrap_or_default()
+}
+
+/// The roulette as it is typed.
+pub fn roulette_name(roulette: Roulette) -> String {
+    match roulette {
+        Roulette::Throughput => "throughput".into(),
+        Roulette::Off => "off".into(),
+        Roulette::Fixed(survival) => survival.to_string(),
+    }
+}
