@@ -1,0 +1,260 @@
+//! The command line with a device: files, JSON, exit codes of scenes and signals, crops, repeatability.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use exr::prelude::read_first_rgba_layer_from_file;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const SCENE: &str = "[camera]\norigin = [0.0, 0.0, 3.0]\ntarget = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\nvfov = 60.0\n\
+    [film]\nwidth = 24\nheight = 16\n[render]\nspp = 32\nmax_bounces = 3\n[[mesh]]\nfile = \"room.obj\"\n";
+/// A floor under a small lamp.
+const OBJ: &str = "mtllib room.mtl\nv -2 -1 -2\nv 2 -1 -2\nv 2 -1 2\nv -2 -1 2\nv -1 1 -1\nv 1 1 -1\nv 1 1 1\nv -1 1 1\n\
+    usemtl floor\nf 4 3 2 1\nusemtl lamp\nf 5 6 7 8\n";
+const MTL: &str = "newmtl floor\nKd 0.5 0.6 0.7\nnewmtl lamp\nKd 0 0 0\nKe 4 4 4\n";
+
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("room.toml", SCENE), ("room.obj", OBJ), ("room.mtl", MTL)] {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_texray"));
+    command.current_dir(folder).args(arguments);
+    command
+}
+
+fn texray(folder: &Path, arguments: &[&str]) -> Output {
+    command(folder, arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Runs, expects exit code 0 and returns the document on stdout.
+fn json(folder: &Path, arguments: &[&str]) -> Value {
+    let output = texray(folder, arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn refused(folder: &Path, arguments: &[&str], code: i32, message: &str) {
+    let output = texray(folder, arguments);
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {stderr}");
+    assert!(stderr.contains(message), "{arguments:?}: {stderr}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+}
+
+/// Width, and the bits of every pixel.
+fn exr(path: &Path) -> (usize, Vec<[u32; 3]>) {
+    let image = read_first_rgba_layer_from_file(
+        path,
+        |size, _| (size.0, vec![[0u32; 3]; size.0 * size.1]),
+        |(width, pixels), at, (r, g, b, _): (f32, f32, f32, f32)| {
+            pixels[at.1 * *width + at.0] = [r.to_bits(), g.to_bits(), b.to_bits()];
+        },
+    );
+    image.unwrap().layer_data.channel_data.pixels
+}
+
+#[test]
+fn default_pictures_are_named_on_the_last_line() {
+    let folder = folder();
+    let output = texray(folder.path(), &["render", "room.toml"]);
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(output.stdout.is_empty());
+    assert_eq!(stderr.lines().last(), Some("done: all 32 spp; wrote room.exr, room.png"), "{stderr}");
+    assert!(stderr.contains("estimated relative RMSE"), "{stderr}");
+    let picture = image::open(folder.path().join("room.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (24, 16));
+    let (width, pixels) = exr(&folder.path().join("room.exr"));
+    assert_eq!((width, pixels.len()), (24, 24 * 16));
+    assert!(pixels.iter().flatten().any(|&bits| f32::from_bits(bits) > 0.0));
+    refused(folder.path(), &["render", "room.toml", "--no-clobber"], 5, "room.exr: exists already");
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let folder = folder();
+    let output = texray(folder.path(), &["render", "room.toml", "-q", "-o", "a.hdr"]);
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), String::new()));
+    assert!(output.stdout.is_empty() && folder.path().join("a.hdr").is_file());
+}
+
+#[test]
+fn json_is_one_document() {
+    let folder = folder();
+    let document = json(folder.path(), &["render", "room.toml", "--json", "-o", "a.exr", "--spp", "48", "--seed", "7"]);
+    for key in [
+        "schema",
+        "scene",
+        "device",
+        "driver",
+        "width",
+        "height",
+        "spp",
+        "max_bounces",
+        "seed",
+        "triangles",
+        "effects",
+        "stop_reason",
+        "seconds",
+        "paths_per_second",
+        "rays_per_second",
+        "error",
+        "bias",
+        "invalid_samples",
+        "bytes",
+        "peak_rss_bytes",
+    ] {
+        assert!(document.get(key).is_some(), "{key} in {document:#}");
+    }
+    for key in ["load", "bvh", "upload", "pipeline", "render", "readback", "write", "total"] {
+        assert!(document["seconds"][key].as_f64().is_some_and(|seconds| seconds >= 0.0), "{key} in {document:#}");
+    }
+    assert_eq!((&document["schema"], &document["spp"], &document["seed"]), (&1.into(), &48.into(), &7.into()));
+    assert_eq!((&document["stop_reason"], &document["triangles"]), (&"spp".into(), &4.into()));
+    assert!(document["error"]["relative_rmse"].as_f64().is_some_and(|error| error > 0.0));
+    assert!(document["bias"]["bounce_cap"].is_null());
+    for cause in ["nan", "infinite", "negative"] {
+        assert_eq!(document["invalid_samples"][cause], 0);
+    }
+    assert!(document["bytes"]["uploaded"].as_u64().is_some_and(|bytes| bytes > 0));
+}
+
+#[test]
+fn error_is_null_before_two_blocks() {
+    let folder = folder();
+    for (spp, is_null) in [("1", true), ("31", true), ("32", false)] {
+        let document = json(folder.path(), &["render", "room.toml", "--json", "-o", "a.exr", "--spp", spp]);
+        assert_eq!(document["error"].is_null(), is_null, "{spp} spp");
+    }
+}
+
+#[test]
+fn equal_renders_are_equal_files() {
+    let folder = folder();
+    for name in ["a.exr", "b.exr"] {
+        json(folder.path(), &["render", "room.toml", "--json", "-o", name]);
+    }
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(read("a.exr") == read("b.exr"));
+}
+
+#[test]
+fn a_crop_is_that_part_of_the_whole() {
+    let folder = folder();
+    json(folder.path(), &["render", "room.toml", "--json", "-o", "whole.exr"]);
+    json(folder.path(), &["render", "room.toml", "--json", "-o", "crop.exr", "--crop", "5,3,11,7"]);
+    let (_, whole) = exr(&folder.path().join("whole.exr"));
+    let (width, crop) = exr(&folder.path().join("crop.exr"));
+    assert_eq!((width, crop.len()), (11, 77));
+    for (i, pixel) in crop.iter().enumerate() {
+        assert_eq!(*pixel, whole[(3 + i / 11) * 24 + 5 + i % 11], "pixel {i}");
+    }
+    refused(folder.path(), &["render", "room.toml", "--crop", "20,0,5,1"], 2, "reaches beyond the picture of 24x16");
+}
+
+#[test]
+fn ledger_is_json() {
+    let folder = folder();
+    json(folder.path(), &["render", "room.toml", "--json", "-o", "a.exr", "--ledger", "ledger.json"]);
+    let ledger: Value = serde_json::from_slice(&fs::read(folder.path().join("ledger.json")).unwrap()).unwrap();
+    assert!(!ledger.is_null());
+}
+
+#[test]
+fn verbose_prints_effects() {
+    let folder = folder();
+    let output = texray(folder.path(), &["render", "room.toml", "-v", "-o", "a.png"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(text(&output.stderr).contains("emitters"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn bad_scenes_are_refused() {
+    let folder = folder();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("room.mtl", &MTL.replace("0.5 0.6", "0.5 -0.6"));
+    refused(folder.path(), &["render", "room.toml"], 3, "room.mtl:2");
+    write("room.mtl", &MTL.replace("Ke 4 4 4", "Ke 0 0 0"));
+    refused(folder.path(), &["render", "room.toml"], 3, "room.toml");
+    assert!(!folder.path().join("room.exr").exists());
+    json(folder.path(), &["render", "room.toml", "--json", "-o", "black.exr", "--allow-black"]);
+    assert!(exr(&folder.path().join("black.exr")).1.iter().flatten().all(|&bits| bits == 0));
+}
+
+#[test]
+fn devices_are_listed_and_refused() {
+    let folder = folder();
+    let devices = json(folder.path(), &["devices", "--json"]);
+    assert!(devices["devices"].as_array().is_some_and(|devices| !devices.is_empty()));
+    refused(folder.path(), &["render", "room.toml", "--device", "999"], 2, "999");
+    refused(folder.path(), &["render", "room.toml", "--device", "no such device"], 2, "no such device");
+}
+
+#[test]
+fn explain_gives_reasons() {
+    let folder = folder();
+    let effects = |arguments: &[&str]| -> Vec<(String, bool)> {
+        let document = json(folder.path(), arguments);
+        let line = |line: &Value| (line["name"].as_str().unwrap().to_string(), line["on"].as_bool().unwrap());
+        document["effects"].as_array().unwrap().iter().map(line).collect()
+    };
+    let least = effects(&["explain", "room.toml", "--json", "--filter", "box"]);
+    assert_eq!(least.iter().filter(|(_, on)| *on).map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["emitters"]);
+    assert!(effects(&["explain", "room.toml", "--json", "--effects", "all"]).iter().all(|(_, on)| *on));
+}
+
+/// Starts an endless render, sends it these signals once it has run for a while, and returns what it left.
+#[cfg(unix)]
+fn interrupted(folder: &Path, signals: &[&str]) -> (Option<i32>, String, Duration) {
+    let arguments = ["render", "room.toml", "--spp", "4294967295", "--json", "-o", "a.exr"];
+    let mut child = command(folder, &arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    stderr.read_line(&mut line).unwrap();
+    assert!(line.starts_with("device"), "{line}");
+    sleep(Duration::from_secs(3));
+    let sent = Instant::now();
+    for signal in signals {
+        assert!(Command::new("kill").args([*signal, &child.id().to_string()]).status().unwrap().success());
+    }
+    let mut stdout = String::new();
+    child.stdout.take().unwrap().read_to_string(&mut stdout).unwrap();
+    (child.wait().unwrap().code(), stdout, sent.elapsed())
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_saves_the_picture() {
+    for (signal, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
+        let folder = folder();
+        let (status, stdout, _) = interrupted(folder.path(), &[signal]);
+        assert_eq!(status, Some(code), "{signal}");
+        let document: Value = serde_json::from_str(&stdout).unwrap();
+        assert_eq!(document["stop_reason"], "interrupted");
+        let spp = document["spp"].as_u64().unwrap();
+        assert!((1..4_294_967_295).contains(&spp), "{signal}: {spp} spp");
+        assert_eq!(exr(&folder.path().join("a.exr")).1.len(), 24 * 16);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_second_signal_quits_at_once() {
+    let (status, _, seconds) = interrupted(folder().path(), &["-TERM", "-TERM"]);
+    assert_eq!(status, Some(143));
+    assert!(seconds < Duration::from_secs(5), "{seconds:?}");
+}
