@@ -42,3 +42,17 @@ impl Signals {
         u8::try_from(self.received.load(Ordering::SeqCst)).ok().filter(|&signal| signal != 0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One test only: handlers belong to the process, and a second signal would end it.
+    #[test]
+    fn tells_which_signal_came() {
+        let signals = Signals::watch().unwrap();
+        assert_eq!(signals.received(), None);
+        signal_hook::low_level::raise(consts::SIGTERM).unwrap();
+        assert_eq!(signals.received(), Some(15));
+    }
+}
