@@ -4,9 +4,31 @@
 //! read-only from here on. Numbers are parsed and transformed in f64; the geometry is then moved to the origin and
 //! scaled by a power of two so that its extent lies in [1, 2), the camera and all lengths with it, and radiance is scaled
 //! by a power of two so that the brightest emission lies in [1, 2). Both scalings are exact and undone at output.
+//!
+//! ```text
+//! scene_file (toml_table, nearest)     what a .toml scene says, with lines
+//! obj_scan, mtl_scan (recipe, number)  own every refusal of OBJ and MTL
+//!   → obj_mesh                         tobj builds triangles in file order
+//!   → assemble (transform)             meshes placed, materials by name, f64
+//!   → normalise                        scaled units, f32
+//! ```
 
+mod assemble;
 pub mod camera;
+mod load;
 pub mod material;
+mod mtl_scan;
+mod nearest;
+mod normalise;
+mod number;
+mod obj_mesh;
+mod obj_scan;
+mod polygon;
+mod recipe;
+mod scene_file;
+mod source_text;
+mod toml_table;
+mod transform;
 
 use std::path::PathBuf;
 

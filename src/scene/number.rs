@@ -1,0 +1,29 @@
+//! Numbers as OBJ, MTL and scene files hold them.
+//!
+//! Comes in: one word of a file. Goes out: a finite f64 of bounded magnitude, or the message that refuses the word.
+
+use super::source_text::quoted;
+
+/// Largest magnitude of a number in a file. Squares and products of three such numbers stay finite in f64.
+pub(super) const MAX_MAGNITUDE: f64 = 1e100;
+
+/// Parses one number; the error is the message of the refusal.
+pub(super) fn parse_number(word: &str) -> std::result::Result<f64, String> {
+    match word.parse::<f64>() {
+        Ok(value) if value.abs() <= MAX_MAGNITUDE => Ok(value),
+        _ => Err(format!("{} is not a number that can be used; allowed are finite numbers up to 1e100", quoted(word))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_number;
+
+    #[test]
+    fn only_finite_numbers_pass() {
+        assert_eq!(parse_number("-1.5e3"), Ok(-1500.0));
+        for word in ["nan", "inf", "-infinity", "1e400", "1e101", "x", "", "1,5", "0x10", "#"] {
+            assert!(parse_number(word).is_err(), "{word}");
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! An OBJ file's triangles, built by `tobj` from the text that the scan checked.
+//!
+//! Comes in: an OBJ file. Goes out: an [`ObjMesh`] of triangles in file order (`tobj` keeps it: it closes a model at each
+//! change of material, and numbers within a model do not reorder faces). Materials are numbers of parts until they are
+//! looked up: a scene that gives the whole mesh a material of its own needs no MTL file.
+
+use std::collections::HashSet;
+use std::io::{Cursor, Read};
+use std::path::{Path, PathBuf};
+
+use glam::{DVec2, DVec3};
+
+use super::mtl_scan::Library;
+use super::nearest::nearest;
+use super::obj_scan::{self, Part};
+use super::source_text::{self, quoted};
+use crate::interface::NO_INDEX;
+use crate::{Error, Result};
+
+/// The triangles of one OBJ file, in its units.
+pub(super) struct ObjMesh {
+    /// The file.
+    pub path: PathBuf,
+    /// Triangles in file order.
+    pub triangles: Vec<ObjTriangle>,
+    /// Attributes of the triangles of parts that have normals on every corner.
+    pub corners: Vec<ObjCorners>,
+    /// Parts by number.
+    pub parts: Vec<Part>,
+    /// Warnings with file and line.
+    pub warnings: Vec<String>,
+    libraries: Vec<(String, usize)>,
+}
+
+/// One triangle of a part.
+#[derive(Clone, Copy)]
+pub(super) struct ObjTriangle {
+    /// Corner positions.
+    pub positions: [DVec3; 3],
+    /// Number of its part.
+    pub part: u32,
+    /// Index into [`ObjMesh::corners`], or `NO_INDEX`.
+    pub corners: u32,
+}
+
+/// Attributes of a triangle's corners, as the file has them.
+#[derive(Clone, Copy)]
+pub(super) struct ObjCorners {
+    /// Normals of any length.
+    pub normals: [DVec3; 3],
+    /// Texture coordinates; zero where the part has not one on every corner.
+    pub uvs: [DVec2; 3],
+}
+
+impl ObjMesh {
+    /// Reads `path`. `named_by` is the file, line and text that ask for it, for the refusal of a file that is not there.
+    pub(super) fn load(path: &Path, named_by: Option<(&Path, usize)>) -> Result<ObjMesh> {
+        let bytes = source_text::read_bytes(path).map_err(|reason| match named_by {
+            Some((file, line)) => Error::scene(file, line, format!("mesh file {}: {reason}", quoted(&path.display().to_string()))),
+            None => Error::scene(path, 0, reason),
+        })?;
+        let text = source_text::decode(path, bytes)?;
+        let scan = obj_scan::scan(path, &text)?;
+        drop(text);
+        let mut mesh = ObjMesh {
+            path: path.to_owned(),
+            triangles: Vec::new(),
+            corners: Vec::new(),
+            parts: scan.parts,
+            warnings: scan.warnings,
+            libraries: scan.libraries,
+        };
+        mesh.build(&scan.canonical)?;
+        Ok(mesh)
+    }
+
+    /// Triangles from the canonical text.
+    fn build(&mut self, canonical: &str) -> Result<()> {
+        let options = tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
+        let count = self.parts.len();
+        // The canonical text knows its materials by number; this is the library that tobj finds them in.
+        let numbered = |_: &Path| {
+            let material = |number: usize| tobj::Material { name: number.to_string(), ..Default::default() };
+            Ok(((1..count).map(material).collect(), (1..count).map(|number| (number.to_string(), number - 1)).collect()))
+        };
+        let mut reader = Cursor::new("mtllib numbered\n").chain(Cursor::new(canonical));
+        let (models, _) = tobj::load_obj_buf(&mut reader, &options, numbered).map_err(|error| {
+            Error::Internal(format!("{}: the scan let pass what tobj refuses: {error}", self.path.display()))
+        })?;
+        self.triangles.reserve(models.iter().map(|model| model.mesh.indices.len() / 3).sum());
+        for model in models {
+            self.append(&model.mesh);
+        }
+        Ok(())
+    }
+
+    fn append(&mut self, mesh: &tobj::Mesh) {
+        let part = mesh.material_id.map_or(0, |index| index + 1);
+        let has_normals = self.parts[part].all_normals && mesh.normal_indices.len() == mesh.indices.len();
+        let has_uvs = self.parts[part].all_uvs && mesh.texcoord_indices.len() == mesh.indices.len();
+        let point = |data: &[f64], index: u32| DVec3::from_slice(&data[3 * index as usize..]);
+        for (first, indices) in mesh.indices.chunks_exact(3).enumerate() {
+            let first = 3 * first;
+            let corners = if has_normals {
+                let normal = |corner: usize| point(&mesh.normals, mesh.normal_indices[first + corner]);
+                let uv = |corner: usize| match has_uvs {
+                    true => DVec2::from_slice(&mesh.texcoords[2 * mesh.texcoord_indices[first + corner] as usize..]),
+                    false => DVec2::ZERO,
+                };
+                self.corners.push(ObjCorners { normals: [0, 1, 2].map(normal), uvs: [0, 1, 2].map(uv) });
+                (self.corners.len() - 1) as u32
+            } else {
+                NO_INDEX
+            };
+            let positions = [0, 1, 2].map(|corner: usize| point(&mesh.positions, indices[corner]));
+            self.triangles.push(ObjTriangle { positions, part: part as u32, corners });
+        }
+    }
+
+    /// The MTL files that the OBJ file names, beside it.
+    pub(super) fn library(&self) -> Result<Library> {
+        let mut library = Library::default();
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let mut read = HashSet::new();
+        for (names, line) in &self.libraries {
+            // The format separates several names by blanks, and exporters write single names that hold blanks.
+            let whole = folder.join(names).exists();
+            let names = if whole { vec![names.as_str()] } else { names.split_ascii_whitespace().collect() };
+            for name in names {
+                let path = folder.join(name);
+                if !read.insert(path.clone()) {
+                    continue;
+                }
+                let bytes = source_text::read_bytes(&path)
+                    .map_err(|reason| Error::scene(&self.path, *line, format!("mtllib {}: {reason}", quoted(name))))?;
+                library.scan(&path, &source_text::decode(&path, bytes)?)?;
+            }
+        }
+        Ok(library)
+    }
+
+    /// The refusal of a `usemtl` whose name is in none of `known`.
+    pub(super) fn unknown_material<'a>(&self, part: &Part, known: impl Iterator<Item = &'a str>) -> Error {
+        let allowed = match nearest(&part.name, known) {
+            Some(name) => format!("the nearest that is defined is {}", quoted(name)),
+            None if self.libraries.is_empty() => "the file has no mtllib, and the scene defines no material".to_owned(),
+            None => "no material is defined".to_owned(),
+        };
+        Error::scene(&self.path, part.line, format!("usemtl {}: no such material; {allowed}", quoted(&part.name)))
+    }
+}

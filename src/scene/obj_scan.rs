@@ -1,0 +1,320 @@
+//! A line scan of an OBJ file that owns every refusal: `tobj` gives no line numbers, and has holes.
+//!
+//! Comes in: the text of an OBJ file. Goes out: an [`ObjScan`], whose canonical text holds nothing but checked `v`, `vt`,
+//! `vn`, `f` and numbered `usemtl` lines, so that none of `tobj`'s habits (triangles made of `l`, names cut at a tab,
+//! vertex colours out of step) can be met. What reads the canonical text may assume that every index is in range.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::number::parse_number;
+use super::polygon::{Flaw, flaw};
+use super::source_text::quoted;
+use crate::{Error, Result};
+
+/// Most vertices, normals or corners: their indices are kept as `u32`, and a device has no room for more.
+const MAX_COUNT: usize = 1 << 31;
+
+/// Statements of the OBJ format that say nothing about the surface of polygons.
+const SILENT: [&str; 14] = [
+    "o", "g", "s", "l", "p", "mg", "bevel", "c_interp", "d_interp", "lod", "maplib", "usemap", "shadow_obj", "trace_obj",
+];
+
+/// What the scan found.
+pub(super) struct ObjScan {
+    /// The checked statements, with `usemtl 1` for the first material named, and so on.
+    pub canonical: String,
+    /// Materials by number; 0 is that of the faces above any `usemtl`.
+    pub parts: Vec<Part>,
+    /// What `mtllib` statements name, with their lines.
+    pub libraries: Vec<(String, usize)>,
+    /// Warnings with file and line.
+    pub warnings: Vec<String>,
+}
+
+/// The faces of one material.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    /// Name of the material; empty for the faces above any `usemtl`.
+    pub name: String,
+    /// Line of the first `usemtl` that names it.
+    pub line: usize,
+    /// Faces that use it.
+    pub faces: usize,
+    /// Whether every corner of those faces has a normal.
+    pub all_normals: bool,
+    /// Whether every corner of those faces has a texture coordinate.
+    pub all_uvs: bool,
+}
+
+impl Part {
+    fn new(name: &str, line: usize) -> Part {
+        Part { name: name.to_owned(), line, faces: 0, all_normals: true, all_uvs: true }
+    }
+}
+
+/// Scans `text`, which `path` holds.
+pub(super) fn scan(path: &Path, text: &str) -> Result<ObjScan> {
+    let mut scanner = Scanner {
+        positions: Vec::new(),
+        uvs: 0,
+        normals: 0,
+        part: 0,
+        parts: vec![Part::new("", 0)],
+        part_of_name: HashMap::new(),
+        libraries: Vec::new(),
+        canonical: String::with_capacity(text.len() + 64),
+        corners: Vec::new(),
+        unknown: Tally::default(),
+        curved: Tally::default(),
+        bent: Tally::default(),
+        folded: Tally::default(),
+    };
+    for (index, line) in text.lines().enumerate() {
+        scanner.statement(line, index + 1).map_err(|message| Error::scene(path, index + 1, message))?;
+    }
+    scanner.finish(path)
+}
+
+/// How often something was met, and where first.
+#[derive(Default)]
+struct Tally {
+    count: usize,
+    line: usize,
+    word: String,
+}
+
+impl Tally {
+    fn add(&mut self, line: usize, word: &str) {
+        if self.count == 0 {
+            self.line = line;
+            self.word = word.to_owned();
+        }
+        self.count += 1;
+    }
+}
+
+struct Scanner {
+    positions: Vec<DVec3>,
+    uvs: usize,
+    normals: usize,
+    part: usize,
+    parts: Vec<Part>,
+    part_of_name: HashMap<String, usize>,
+    libraries: Vec<(String, usize)>,
+    canonical: String,
+    /// Positions of the face at hand, kept to spare an allocation a face.
+    corners: Vec<DVec3>,
+    unknown: Tally,
+    curved: Tally,
+    bent: Tally,
+    folded: Tally,
+}
+
+impl Scanner {
+    fn statement(&mut self, line: &str, number: usize) -> std::result::Result<(), String> {
+        let mut words = line.split_ascii_whitespace();
+        let Some(keyword) = words.next() else { return Ok(()) };
+        match keyword {
+            "v" => self.vertex(words),
+            "vt" => self.uv(words),
+            "vn" => self.normal(words),
+            "f" => self.face(words, number),
+            "usemtl" => self.use_material(rest(line, keyword), number),
+            "mtllib" => match rest(line, keyword) {
+                "" => Err("mtllib without a file name; allowed is mtllib FILE".to_owned()),
+                name => {
+                    self.libraries.push((name.to_owned(), number));
+                    Ok(())
+                }
+            },
+            _ if keyword.starts_with('#') || SILENT.contains(&keyword) => Ok(()),
+            "vp" | "deg" | "bmat" | "step" | "cstype" | "curv" | "curv2" | "surf" | "parm" | "trim" | "hole" | "scrv"
+            | "sp" | "end" | "con" | "ctech" | "stech" | "call" | "csh" => {
+                self.curved.add(number, keyword);
+                Ok(())
+            }
+            _ => {
+                self.unknown.add(number, keyword);
+                Ok(())
+            }
+        }
+    }
+
+    fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> std::result::Result<(), String> {
+        let (values, count) = numbers::<7>(words)?;
+        if !matches!(count, 3 | 4 | 6 | 7) {
+            return Err(format!("v with {count} numbers; allowed are 3 (x y z), 4 (with w) or 6 (with a colour)"));
+        }
+        let w = if count == 4 { values[3] } else { 1.0 };
+        let position = DVec3::new(values[0], values[1], values[2]) / w;
+        if !(position.abs().max_element() <= super::number::MAX_MAGNITUDE) {
+            return Err(format!("v with w = {w:e}; allowed is a w that keeps x/w, y/w and z/w within 1e100"));
+        }
+        room_for(self.positions.len(), "vertices")?;
+        self.positions.push(position);
+        push_line(&mut self.canonical, "v", &position.to_array());
+        Ok(())
+    }
+
+    fn uv<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> std::result::Result<(), String> {
+        let (values, count) = numbers::<3>(words)?;
+        if count == 0 {
+            return Err("vt with 0 numbers; allowed are 1 to 3 (u v w)".to_owned());
+        }
+        room_for(self.uvs, "texture coordinates")?;
+        self.uvs += 1;
+        push_line(&mut self.canonical, "vt", &values[..2]);
+        Ok(())
+    }
+
+    fn normal<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> std::result::Result<(), String> {
+        let (values, count) = numbers::<3>(words)?;
+        if count != 3 {
+            return Err(format!("vn with {count} numbers; allowed are 3 (x y z)"));
+        }
+        room_for(self.normals, "normals")?;
+        self.normals += 1;
+        push_line(&mut self.canonical, "vn", &values);
+        Ok(())
+    }
+
+    fn face<'a>(&mut self, words: impl Iterator<Item = &'a str>, line: usize) -> std::result::Result<(), String> {
+        self.corners.clear();
+        let (mut all_uvs, mut all_normals) = (true, true);
+        self.canonical.push('f');
+        for word in words {
+            let mut fields = word.split('/');
+            let position = fields.next().unwrap_or("");
+            let uv = fields.next().unwrap_or("");
+            let normal = fields.next().unwrap_or("");
+            if fields.next().is_some() {
+                return Err(format!("corner {} has more than 3 indices; allowed is v, v/vt, v//vn or v/vt/vn", quoted(word)));
+            }
+            let position = index(position, word, self.positions.len(), "vertex", "vertices")?;
+            if uv.is_empty() {
+                all_uvs = false;
+            } else {
+                index(uv, word, self.uvs, "texture coordinate", "texture coordinates")?;
+            }
+            if normal.is_empty() {
+                all_normals = false;
+            } else {
+                index(normal, word, self.normals, "normal", "normals")?;
+            }
+            self.corners.push(self.positions[position]);
+            self.canonical.push(' ');
+            self.canonical.push_str(word);
+        }
+        self.canonical.push('\n');
+        if self.corners.len() < 3 {
+            return Err(format!("f with {} corners; allowed are 3 or more", self.corners.len()));
+        }
+        match flaw(&self.corners) {
+            Some(Flaw::Bent) => self.bent.add(line, ""),
+            Some(Flaw::Folded) => self.folded.add(line, ""),
+            None => {}
+        }
+        let part = &mut self.parts[self.part];
+        room_for(part.faces, "faces")?;
+        part.faces += 1;
+        part.all_uvs &= all_uvs;
+        part.all_normals &= all_normals;
+        Ok(())
+    }
+
+    fn use_material(&mut self, name: &str, line: usize) -> std::result::Result<(), String> {
+        if name.is_empty() {
+            return Err("usemtl without a name; allowed is usemtl NAME".to_owned());
+        }
+        self.part = match self.part_of_name.get(name) {
+            Some(&part) => part,
+            None => {
+                self.parts.push(Part::new(name, line));
+                self.part_of_name.insert(name.to_owned(), self.parts.len() - 1);
+                self.parts.len() - 1
+            }
+        };
+        self.canonical.push_str("usemtl ");
+        self.canonical.push_str(&self.part.to_string());
+        self.canonical.push('\n');
+        Ok(())
+    }
+
+    fn finish(self, path: &Path) -> Result<ObjScan> {
+        if self.parts.iter().all(|part| part.faces == 0) {
+            return Err(Error::scene(path, 0, "no face (f) in the file; allowed is an OBJ file with at least one"));
+        }
+        let mut warnings = Vec::new();
+        let mut warn = |tally: &Tally, text: &str| {
+            if tally.count > 0 {
+                let (line, count, word) = (tally.line, tally.count, quoted(&tally.word));
+                let text = text.replace("{n}", &count.to_string()).replace("{word}", &word);
+                warnings.push(format!("{}:{line}: {text}", path.display()));
+            }
+        };
+        warn(&self.unknown, "{word} is no statement of the OBJ format: {n} such lines ignored (the first is here)");
+        warn(&self.curved, "{word}: {n} lines of curves and curved surfaces ignored (the first is here)");
+        warn(&self.bent, "{n} polygons are not planar and were split into fans (the first is here)");
+        warn(&self.folded, "{n} polygons are concave, and the fans they were split into overlap (the first is here)");
+        Ok(ObjScan { canonical: self.canonical, parts: self.parts, libraries: self.libraries, warnings })
+    }
+}
+
+/// The part of the line after its keyword, without surrounding blanks.
+pub(super) fn rest<'a>(line: &'a str, keyword: &str) -> &'a str {
+    line.trim_start().strip_prefix(keyword).unwrap_or("").trim()
+}
+
+/// Up to `N` numbers and their count; the rest of the array is zero, and a word too many is refused by its count.
+fn numbers<'a, const N: usize>(words: impl Iterator<Item = &'a str>) -> std::result::Result<([f64; N], usize), String> {
+    let mut values = [0.0; N];
+    let mut count = 0;
+    for word in words {
+        let value = parse_number(word)?;
+        if count == N {
+            return Err(format!("more than {N} numbers, the next is {}", quoted(word)));
+        }
+        values[count] = value;
+        count += 1;
+    }
+    Ok((values, count))
+}
+
+/// Appends a statement whose numbers read back as the same f64.
+fn push_line(canonical: &mut String, keyword: &str, values: &[f64]) {
+    use std::fmt::Write;
+    canonical.push_str(keyword);
+    for value in values {
+        // Writing to a String cannot fail.
+        let _ = write!(canonical, " {value:e}");
+    }
+    canonical.push('\n');
+}
+
+/// Position, from 0, that an index of a face means; indices count from 1, or backwards from -1.
+fn index(text: &str, corner: &str, count: usize, noun: &str, nouns: &str) -> std::result::Result<usize, String> {
+    let in_range = match text.parse::<i64>() {
+        Ok(value) if value > 0 => usize::try_from(value - 1).ok(),
+        Ok(value) if value < 0 => usize::try_from(value.unsigned_abs()).ok().and_then(|back| count.checked_sub(back)),
+        _ => None,
+    };
+    match in_range {
+        Some(position) if position < count => Ok(position),
+        _ if count == 0 => Err(format!("{noun} index {} in corner {}: no {nouns} stand above", quoted(text), quoted(corner))),
+        _ => Err(format!(
+            "{noun} index {} in corner {}; allowed are 1 to {count} and -{count} to -1, the {nouns} above this line",
+            quoted(text),
+            quoted(corner)
+        )),
+    }
+}
+
+fn room_for(count: usize, nouns: &str) -> std::result::Result<(), String> {
+    if count >= MAX_COUNT {
+        return Err(format!("more than {MAX_COUNT} {nouns}"));
+    }
+    Ok(())
+}
