@@ -88,11 +88,9 @@ fn polygon_lights_have_their_form_factors() {
 #[test]
 fn squares_exchange_their_form_factors() {
     // The picture of a camera half above the unit square at 90 degrees is that square, uniformly.
-    let squares: [([f64; 3], [f64; 3], [f64; 3], f64); 2] = [
-        ([-0.5, 1.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0.1998248957),
-        ([-0.5, 0.0, -0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], 0.2000437761),
-    ];
-    for (corner, a, b, factor) in squares {
+    let parallel = ([-0.5, 1.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0.1998248957);
+    let upright = ([-0.5, 0.0, -0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], 0.2000437761);
+    for (corner, a, b, factor) in [parallel, upright] {
         let mut builder = SceneBuilder::new();
         let (floor, light) = (builder.material(lambert(0.8, 0.0)), builder.material(lambert(0.0, 1.0)));
         builder.quad([-2.0, 0.0, -2.0], [0.0, 0.0, 4.0], [4.0, 0.0, 0.0], floor);
