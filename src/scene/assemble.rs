@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 
 use super::mtl_scan::Library;
 use super::nearest::nearest;
-use super::number::MAX_MAGNITUDE;
+use super::number::in_range;
 use super::obj_mesh::{ObjCorners, ObjMesh, ObjTriangle};
 use super::recipe::Recipe;
 use super::scene_file::{MaterialEntry, MeshEntry};
@@ -59,13 +59,26 @@ pub(super) struct RawCorners {
 
 /// Places `meshes`, which the scene file `path` lists beside `materials`.
 pub(super) fn assemble(path: &Path, meshes: &[MeshEntry], materials: &[MaterialEntry]) -> Result<RawScene> {
-    let mut assembly = Assembly { path, materials, raw: RawScene::default(), index: HashMap::new(), touched: HashSet::new() };
-    let mut files: HashMap<&Path, (ObjMesh, Option<Library>)> = HashMap::new();
+    assemble_with(path, meshes, materials, &mut ObjFiles::new())
+}
+
+/// OBJ files that were read, each with its MTL files where they were needed.
+pub(super) type ObjFiles = HashMap<PathBuf, (ObjMesh, Option<Library>)>;
+
+/// As [`assemble`], but reads only those files that `files` lacks.
+pub(super) fn assemble_with(
+    path: &Path,
+    meshes: &[MeshEntry],
+    materials: &[MaterialEntry],
+    files: &mut ObjFiles,
+) -> Result<RawScene> {
+    let mut assembly =
+        Assembly { path, materials, raw: RawScene::default(), index: HashMap::new(), touched: HashSet::new() };
     for entry in meshes {
         if !files.contains_key(entry.file.as_path()) {
             let mesh = ObjMesh::load(&entry.file, Some((path, entry.line)))?;
             assembly.raw.warnings.extend(mesh.warnings.iter().cloned());
-            files.insert(&entry.file, (mesh, None));
+            files.insert(entry.file.clone(), (mesh, None));
         }
         let Some((mesh, library)) = files.get_mut(entry.file.as_path()) else { continue };
         // A mesh whose one material stands in the scene file needs no MTL file.
@@ -86,7 +99,8 @@ pub(super) fn assemble(path: &Path, meshes: &[MeshEntry], materials: &[MaterialE
 
 /// A bare OBJ file as it stands.
 pub(super) fn assemble_bare(path: &Path) -> Result<RawScene> {
-    let mut assembly = Assembly { path, materials: &[], raw: RawScene::default(), index: HashMap::new(), touched: HashSet::new() };
+    let mut assembly =
+        Assembly { path, materials: &[], raw: RawScene::default(), index: HashMap::new(), touched: HashSet::new() };
     let mesh = ObjMesh::load(path, None)?;
     let library = mesh.library()?;
     assembly.raw.warnings.extend(mesh.warnings.iter().chain(&library.warnings).cloned());
@@ -146,25 +160,35 @@ impl<'a> Assembly<'a> {
             return Err(Error::scene(self.path, entry.line, "more than 2147483647 triangles; allowed are as many"));
         }
         if zero_normals > 0 {
-            let text = format!("{}: {zero_normals} corners have a normal of length 0 and take that of their triangle", mesh.path.display());
+            let text = format!(
+                "{}: {zero_normals} corners have a normal of length 0 and take that of their triangle",
+                mesh.path.display()
+            );
             self.raw.warnings.push(text);
         }
         Ok(())
     }
 
     fn refuse_overflow(&self, entry: &MeshEntry, triangle: &ObjTriangle) -> Result<()> {
-        let reach = |point: &DVec3| entry.transform.point(*point).abs().max_element();
-        match triangle.positions.iter().map(reach).find(|&reach| !(reach <= MAX_MAGNITUDE)) {
+        match triangle.positions.map(|point| entry.transform.point(point)).into_iter().find(|&point| !in_range(point)) {
             None => Ok(()),
-            Some(reach) => {
-                let message = format!("the mesh's transform moves a corner to {reach:e}; allowed are coordinates up to 1e100");
+            Some(point) => {
+                let reach = point.abs().max_element();
+                let message =
+                    format!("the mesh's transform moves a corner to {reach:e}; allowed are coordinates up to 1e100");
                 Err(Error::scene(self.path, entry.line, message))
             }
         }
     }
 
     /// The material that a `[[mesh]]` names for all its faces: the scene's own, or else the MTL file's.
-    fn whole_mesh_material(&mut self, name: &str, line: usize, mesh: &ObjMesh, library: Option<&Library>) -> Result<u32> {
+    fn whole_mesh_material(
+        &mut self,
+        name: &str,
+        line: usize,
+        mesh: &ObjMesh,
+        library: Option<&Library>,
+    ) -> Result<u32> {
         if let Some(entry) = self.materials.iter().find(|material| material.name == name) {
             let mut recipe = Recipe::default();
             entry.apply(&mut recipe);
@@ -184,7 +208,12 @@ impl<'a> Assembly<'a> {
     }
 
     /// The material of one part of an OBJ file, as MTL file and scene define it together.
-    fn part_material(&mut self, mesh: &ObjMesh, part: &super::obj_scan::Part, library: Option<&Library>) -> Result<u32> {
+    fn part_material(
+        &mut self,
+        mesh: &ObjMesh,
+        part: &super::obj_scan::Part,
+        library: Option<&Library>,
+    ) -> Result<u32> {
         let defined = library.and_then(|library| library.find(&part.name));
         let changed = self.materials.iter().find(|material| material.name == part.name);
         if defined.is_none() && changed.is_none() && !part.name.is_empty() {
@@ -213,7 +242,7 @@ impl<'a> Assembly<'a> {
 /// Positions in the scene and the unit normal of the front; nothing where the area is zero or a corner out of range.
 fn placed(entry: &MeshEntry, triangle: &ObjTriangle) -> Option<([DVec3; 3], DVec3)> {
     let [a, b, c] = triangle.positions.map(|position| entry.transform.point(position));
-    if !(a.abs().max(b.abs()).max(c.abs()).max_element() <= MAX_MAGNITUDE) {
+    if ![a, b, c].into_iter().all(in_range) {
         return None;
     }
     // A mirrored triangle turns the other way round: two corners are swapped to keep its front.
@@ -226,7 +255,7 @@ pub(super) fn unit_normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
     let (ab, ac) = (b - a, c - a);
     // Scaled by a power of two, as products of the smallest legal edges would vanish.
     let size = ab.abs().max(ac.abs()).max_element();
-    if !(size > 0.0) {
+    if size == 0.0 {
         return None;
     }
     let scale = super::normalise::power_of_two(-super::normalise::exponent(size));
@@ -234,7 +263,12 @@ pub(super) fn unit_normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
 }
 
 /// Unit normals on the side of the front, or nothing where all of them are the triangle's own.
-fn placed_corners(entry: &MeshEntry, corners: &ObjCorners, front: DVec3, zero_normals: &mut usize) -> Option<RawCorners> {
+fn placed_corners(
+    entry: &MeshEntry,
+    corners: &ObjCorners,
+    front: DVec3,
+    zero_normals: &mut usize,
+) -> Option<RawCorners> {
     let mut normals = corners.normals.map(|normal| {
         let size = normal.abs().max_element();
         let turned = if size > 0.0 { entry.transform.normal(normal / size).try_normalize() } else { None };

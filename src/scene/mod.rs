@@ -15,6 +15,8 @@
 
 mod assemble;
 pub mod camera;
+#[cfg(test)]
+mod damage;
 mod load;
 pub mod material;
 mod mtl_scan;

@@ -74,7 +74,11 @@ impl Library {
 
     fn begin(&mut self, path: &Path, line: usize, name: &str) -> usize {
         if let Some(again) = self.recipes.iter().position(|(known, _)| known == name) {
-            self.warnings.push(format!("{}:{line}: material {} is defined again; this one counts", path.display(), quoted(name)));
+            self.warnings.push(format!(
+                "{}:{line}: material {} is defined again; this one counts",
+                path.display(),
+                quoted(name)
+            ));
             self.recipes[again].1 = Recipe::default();
             return again;
         }

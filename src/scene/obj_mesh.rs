@@ -53,12 +53,19 @@ pub(super) struct ObjCorners {
 }
 
 impl ObjMesh {
-    /// Reads `path`. `named_by` is the file, line and text that ask for it, for the refusal of a file that is not there.
+    /// Reads `path`. `named_by` is the file and line that ask for it, for the refusal of a file that is not there.
     pub(super) fn load(path: &Path, named_by: Option<(&Path, usize)>) -> Result<ObjMesh> {
         let bytes = source_text::read_bytes(path).map_err(|reason| match named_by {
-            Some((file, line)) => Error::scene(file, line, format!("mesh file {}: {reason}", quoted(&path.display().to_string()))),
+            Some((file, line)) => {
+                Error::scene(file, line, format!("mesh file {}: {reason}", quoted(&path.display().to_string())))
+            }
             None => Error::scene(path, 0, reason),
         })?;
+        ObjMesh::from_bytes(path, bytes)
+    }
+
+    /// The mesh in `bytes`, which `path` holds.
+    pub(super) fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<ObjMesh> {
         let text = source_text::decode(path, bytes)?;
         let scan = obj_scan::scan(path, &text)?;
         drop(text);
@@ -76,12 +83,16 @@ impl ObjMesh {
 
     /// Triangles from the canonical text.
     fn build(&mut self, canonical: &str) -> Result<()> {
-        let options = tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
+        let options =
+            tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
         let count = self.parts.len();
         // The canonical text knows its materials by number; this is the library that tobj finds them in.
         let numbered = |_: &Path| {
             let material = |number: usize| tobj::Material { name: number.to_string(), ..Default::default() };
-            Ok(((1..count).map(material).collect(), (1..count).map(|number| (number.to_string(), number - 1)).collect()))
+            Ok((
+                (1..count).map(material).collect(),
+                (1..count).map(|number| (number.to_string(), number - 1)).collect(),
+            ))
         };
         let mut reader = Cursor::new("mtllib numbered\n").chain(Cursor::new(canonical));
         let (models, _) = tobj::load_obj_buf(&mut reader, &options, numbered).map_err(|error| {

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::number::parse_number;
+use super::number::{in_range, parse_number};
 use super::polygon::{Flaw, flaw};
 use super::source_text::quoted;
 use crate::{Error, Result};
@@ -19,7 +19,20 @@ const MAX_COUNT: usize = 1 << 31;
 
 /// Statements of the OBJ format that say nothing about the surface of polygons.
 const SILENT: [&str; 14] = [
-    "o", "g", "s", "l", "p", "mg", "bevel", "c_interp", "d_interp", "lod", "maplib", "usemap", "shadow_obj", "trace_obj",
+    "o",
+    "g",
+    "s",
+    "l",
+    "p",
+    "mg",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "lod",
+    "maplib",
+    "usemap",
+    "shadow_obj",
+    "trace_obj",
 ];
 
 /// What the scan found.
@@ -118,9 +131,9 @@ impl Scanner {
         let mut words = line.split_ascii_whitespace();
         let Some(keyword) = words.next() else { return Ok(()) };
         match keyword {
-            "v" => self.vertex(words),
-            "vt" => self.uv(words),
-            "vn" => self.normal(words),
+            "v" => self.vertex(rest(line, keyword)),
+            "vt" => self.uv(rest(line, keyword)),
+            "vn" => self.normal(rest(line, keyword)),
             "f" => self.face(words, number),
             "usemtl" => self.use_material(rest(line, keyword), number),
             "mtllib" => match rest(line, keyword) {
@@ -131,8 +144,8 @@ impl Scanner {
                 }
             },
             _ if keyword.starts_with('#') || SILENT.contains(&keyword) => Ok(()),
-            "vp" | "deg" | "bmat" | "step" | "cstype" | "curv" | "curv2" | "surf" | "parm" | "trim" | "hole" | "scrv"
-            | "sp" | "end" | "con" | "ctech" | "stech" | "call" | "csh" => {
+            "vp" | "deg" | "bmat" | "step" | "cstype" | "curv" | "curv2" | "surf" | "parm" | "trim" | "hole"
+            | "scrv" | "sp" | "end" | "con" | "ctech" | "stech" | "call" | "csh" => {
                 self.curved.add(number, keyword);
                 Ok(())
             }
@@ -143,41 +156,47 @@ impl Scanner {
         }
     }
 
-    fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> std::result::Result<(), String> {
-        let (values, count) = numbers::<7>(words)?;
+    fn vertex(&mut self, body: &str) -> std::result::Result<(), String> {
+        let (values, count) = numbers::<7>(body.split_ascii_whitespace())?;
         if !matches!(count, 3 | 4 | 6 | 7) {
             return Err(format!("v with {count} numbers; allowed are 3 (x y z), 4 (with w) or 6 (with a colour)"));
         }
         let w = if count == 4 { values[3] } else { 1.0 };
         let position = DVec3::new(values[0], values[1], values[2]) / w;
-        if !(position.abs().max_element() <= super::number::MAX_MAGNITUDE) {
+        if !in_range(position) {
             return Err(format!("v with w = {w:e}; allowed is a w that keeps x/w, y/w and z/w within 1e100"));
         }
         room_for(self.positions.len(), "vertices")?;
         self.positions.push(position);
-        push_line(&mut self.canonical, "v", &position.to_array());
+        match count {
+            3 => push_words(&mut self.canonical, "v", body),
+            _ => push_numbers(&mut self.canonical, "v", &position.to_array()),
+        }
         Ok(())
     }
 
-    fn uv<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> std::result::Result<(), String> {
-        let (values, count) = numbers::<3>(words)?;
+    fn uv(&mut self, body: &str) -> std::result::Result<(), String> {
+        let (values, count) = numbers::<3>(body.split_ascii_whitespace())?;
         if count == 0 {
             return Err("vt with 0 numbers; allowed are 1 to 3 (u v w)".to_owned());
         }
         room_for(self.uvs, "texture coordinates")?;
         self.uvs += 1;
-        push_line(&mut self.canonical, "vt", &values[..2]);
+        match count {
+            2 => push_words(&mut self.canonical, "vt", body),
+            _ => push_numbers(&mut self.canonical, "vt", &values[..2]),
+        }
         Ok(())
     }
 
-    fn normal<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> std::result::Result<(), String> {
-        let (values, count) = numbers::<3>(words)?;
+    fn normal(&mut self, body: &str) -> std::result::Result<(), String> {
+        let (_, count) = numbers::<3>(body.split_ascii_whitespace())?;
         if count != 3 {
             return Err(format!("vn with {count} numbers; allowed are 3 (x y z)"));
         }
         room_for(self.normals, "normals")?;
         self.normals += 1;
-        push_line(&mut self.canonical, "vn", &values);
+        push_words(&mut self.canonical, "vn", body);
         Ok(())
     }
 
@@ -191,7 +210,10 @@ impl Scanner {
             let uv = fields.next().unwrap_or("");
             let normal = fields.next().unwrap_or("");
             if fields.next().is_some() {
-                return Err(format!("corner {} has more than 3 indices; allowed is v, v/vt, v//vn or v/vt/vn", quoted(word)));
+                return Err(format!(
+                    "corner {} has more than 3 indices; allowed is v, v/vt, v//vn or v/vt/vn",
+                    quoted(word)
+                ));
             }
             let position = index(position, word, self.positions.len(), "vertex", "vertices")?;
             if uv.is_empty() {
@@ -283,8 +305,15 @@ fn numbers<'a, const N: usize>(words: impl Iterator<Item = &'a str>) -> std::res
     Ok((values, count))
 }
 
+/// Appends a statement as the file has it: writing its numbers anew would take longer than reading them.
+fn push_words(canonical: &mut String, keyword: &str, words: &str) {
+    for text in [keyword, " ", words, "\n"] {
+        canonical.push_str(text);
+    }
+}
+
 /// Appends a statement whose numbers read back as the same f64.
-fn push_line(canonical: &mut String, keyword: &str, values: &[f64]) {
+fn push_numbers(canonical: &mut String, keyword: &str, values: &[f64]) {
     use std::fmt::Write;
     canonical.push_str(keyword);
     for value in values {
@@ -303,7 +332,9 @@ fn index(text: &str, corner: &str, count: usize, noun: &str, nouns: &str) -> std
     };
     match in_range {
         Some(position) if position < count => Ok(position),
-        _ if count == 0 => Err(format!("{noun} index {} in corner {}: no {nouns} stand above", quoted(text), quoted(corner))),
+        _ if count == 0 => {
+            Err(format!("{noun} index {} in corner {}: no {nouns} stand above", quoted(text), quoted(corner)))
+        }
         _ => Err(format!(
             "{noun} index {} in corner {}; allowed are 1 to {count} and -{count} to -1, the {nouns} above this line",
             quoted(text),

@@ -18,7 +18,7 @@ use glam::{DMat3, DVec3};
 use super::recipe::{Quantity, Recipe};
 use super::toml_table::{Entry, Table, parse};
 use super::transform::{Transform, rotation};
-use super::{Camera, Filter, FilmSettings, RenderDefaults};
+use super::{Camera, FilmSettings, Filter, RenderDefaults};
 use crate::Result;
 
 /// A scene file.
@@ -80,11 +80,15 @@ pub(super) fn read(path: &Path, text: &str) -> Result<SceneFile> {
     let camera = root.need("camera")?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let meshes = match root.get("mesh") {
-        Some(meshes) => meshes.items("tables [[mesh]]")?.iter().map(|entry| read_mesh(entry, folder)).collect::<Result<_>>()?,
+        Some(meshes) => {
+            meshes.items("tables [[mesh]]")?.iter().map(|entry| read_mesh(entry, folder)).collect::<Result<_>>()?
+        }
         None => Vec::new(),
     };
     let materials = match root.get("material") {
-        Some(materials) => materials.names("[material.NAME]")?.entries().iter().map(read_material).collect::<Result<_>>()?,
+        Some(materials) => {
+            materials.names("[material.NAME]")?.entries().iter().map(read_material).collect::<Result<_>>()?
+        }
         None => Vec::new(),
     };
     Ok(SceneFile {
@@ -107,7 +111,7 @@ fn read_camera(entry: &Entry) -> Result<Camera> {
     let origin = table.need("origin")?.vector()?;
     let target = table.need("target")?.vector()?;
     let up = table.need("up")?.direction()?;
-    let vfov = table.need("vfov")?.number("degrees above 0 and below 180", |v| v >= 1e-6 && v <= 180.0 - 1e-6)?;
+    let vfov = table.need("vfov")?.number("degrees above 0 and below 180", |v| (1e-6..=180.0 - 1e-6).contains(&v))?;
     // Lengths are compared after a division, as squares of the smallest legal numbers would vanish.
     let view = target - origin;
     let size = view.abs().max_element();
@@ -180,7 +184,8 @@ fn read_transform(table: &Table) -> Result<Transform> {
         let allowed = "16 finite numbers, row by row, that can be inverted and end in 0, 0, 0, 1";
         let m: [f64; 16] = matrix.numbers(allowed, |_| true)?;
         let linear = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
-        let transform = Transform::new(linear, DVec3::new(m[3], m[7], m[11])).filter(|_| m[12..] == [0.0, 0.0, 0.0, 1.0]);
+        let transform =
+            Transform::new(linear, DVec3::new(m[3], m[7], m[11])).filter(|_| m[12..] == [0.0, 0.0, 0.0, 1.0]);
         return transform.ok_or_else(|| matrix.refuse(allowed));
     }
     let mut linear = DMat3::IDENTITY;

@@ -56,9 +56,12 @@ fn check_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
             return Err(Error::scene(path, index + 1, message));
         }
         let is_control = |byte: &u8| *byte < 0x20 && !matches!(byte, b'\t' | b'\r' | 0x0b | 0x0c);
-        if let Some(column) = line.iter().position(|byte| is_control(byte)) {
-            let message =
-                format!("byte 0x{:02x} at offset {}: the file is binary; allowed is UTF-8 text", line[column], offset + column);
+        if let Some(column) = line.iter().position(is_control) {
+            let message = format!(
+                "byte 0x{:02x} at offset {}: the file is binary; allowed is UTF-8 text",
+                line[column],
+                offset + column
+            );
             return Err(Error::scene(path, index + 1, message));
         }
         offset += line.len() + 1;

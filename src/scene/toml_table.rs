@@ -58,7 +58,12 @@ pub(super) fn parse<'a>(path: &Path, text: &'a str) -> Result<Spanned<DeTable<'a
 
 impl<'a> Table<'a> {
     /// The whole file as a table.
-    pub(super) fn root(path: &'a Path, text: &'a str, root: &'a Spanned<DeTable<'a>>, known: &[&str]) -> Result<Table<'a>> {
+    pub(super) fn root(
+        path: &'a Path,
+        text: &'a str,
+        root: &'a Spanned<DeTable<'a>>,
+        known: &[&str],
+    ) -> Result<Table<'a>> {
         let table = Table { source: Source { path, text }, name: "the file", line: 1, entries: root.get_ref() };
         table.refuse_unknown(known)
     }
@@ -70,7 +75,8 @@ impl<'a> Table<'a> {
             Some(key) => {
                 let name: &str = key.get_ref();
                 let nearest = nearest(name, known.iter().copied()).unwrap_or_default();
-                let message = format!("unknown key {} in {}; the nearest known key is \"{nearest}\"", quoted(name), self.name);
+                let message =
+                    format!("unknown key {} in {}; the nearest known key is \"{nearest}\"", quoted(name), self.name);
                 Err(Error::scene(self.source.path, self.source.line(key.span().start), message))
             }
         }
@@ -148,7 +154,9 @@ impl<'a> Entry<'a> {
     /// A table, opened with the keys that it may have.
     pub(super) fn table(&self, name: &'a str, known: &[&str]) -> Result<Table<'a>> {
         match self.value.get_ref() {
-            DeValue::Table(entries) => Table { source: self.source, name, line: self.line, entries }.refuse_unknown(known),
+            DeValue::Table(entries) => {
+                Table { source: self.source, name, line: self.line, entries }.refuse_unknown(known)
+            }
             _ => Err(self.refuse(&format!("a table {name}"))),
         }
     }
@@ -164,7 +172,8 @@ impl<'a> Entry<'a> {
     /// The items of an array.
     pub(super) fn items(&self, allowed: &str) -> Result<Vec<Entry<'a>>> {
         let DeValue::Array(items) = self.value.get_ref() else { return Err(self.refuse(allowed)) };
-        let item = |value: &'a Spanned<DeValue<'a>>| Entry { line: self.source.line(value.span().start), value, ..*self };
+        let item =
+            |value: &'a Spanned<DeValue<'a>>| Entry { line: self.source.line(value.span().start), value, ..*self };
         Ok(items.iter().map(item).collect())
     }
 
@@ -197,7 +206,8 @@ impl<'a> Entry<'a> {
     pub(super) fn integer(&self, least: u32, most: u32) -> Result<u32> {
         let refusal = || self.refuse(&format!("an integer from {least} to {most}"));
         let DeValue::Integer(integer) = self.value.get_ref() else { return Err(refusal()) };
-        let value = i64::from_str_radix(integer.as_str(), integer.radix()).ok().and_then(|value| u32::try_from(value).ok());
+        let value =
+            i64::from_str_radix(integer.as_str(), integer.radix()).ok().and_then(|value| u32::try_from(value).ok());
         value.filter(|value| (least..=most).contains(value)).ok_or_else(refusal)
     }
 

@@ -36,7 +36,7 @@ impl Transform {
             *unit = (*column / size).normalize();
         }
         let volume = unit[0].dot(unit[1].cross(unit[2]));
-        if !translation.is_finite() || !(volume.abs() > SINGULAR) {
+        if !translation.is_finite() || !volume.is_finite() || volume.abs() <= SINGULAR {
             return None;
         }
         // Inverse transpose of the linear part up to a factor: cofactors of the unit columns, each over its length.
