@@ -82,8 +82,6 @@ fn interface_glsl() -> Step<String> {
         }
         let _ = writeln!(text, "#define {name} {value}u");
     }
-    // As f64, because the shortest text that gives the f32 back (4294967300.0) would mislead a reader.
-    let _ = writeln!(text, "#define MAX_SAMPLE_RADIANCE {:?}", f64::from(interface::MAX_SAMPLE_RADIANCE));
     text.push_str("#endif\n");
     Ok(text)
 }

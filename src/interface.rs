@@ -133,7 +133,7 @@ pub const COUNTERS: u32 = 10;
 // ---- Path state, one word a field and pixel: word `field * tile_pixels + pixel` -----------------------------------
 
 /// Words of a path state without its traversal stack; the stack follows, two words an entry.
-pub const PATH_WORDS: u32 = 44;
+pub const PATH_WORDS: u32 = 35;
 /// Words of one entry of the traversal stack.
 pub const STACK_ENTRY_WORDS: u32 = 2;
 
@@ -258,9 +258,9 @@ pub const PUSH_CONSTANTS: &[(&str, u32)] = &[
 /// Size of the push-constant block in bytes; Vulkan promises 128.
 pub const PUSH_CONSTANT_BYTES: u32 = 80;
 
-/// Radiance sum of a block above which a sample is left out as infinite: the film's fixed-point sums hold 2^36 without
-/// overflow over 2^27 blocks (radiance in units of the brightest emission).
-pub const MAX_SAMPLE_RADIANCE: f32 = 4_294_967_296.0;
+/// Bits of the f32 2^32: a sample of larger radiance (in units of the brightest emission) is left out as infinite, so that
+/// a block sums to at most 2^36, which the film's fixed-point sums hold without overflow over 2^27 blocks.
+pub const MAX_SAMPLE_RADIANCE_BITS: u32 = 0x4f80_0000;
 
 /// The constants that `build.rs` writes to `interface.glsl`, as `(name, value)`, all `uint`.
 #[rustfmt::skip]
@@ -300,5 +300,5 @@ pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
     ("HEMISPHERE_COSINE", HEMISPHERE_COSINE), ("HEMISPHERE_UNIFORM", HEMISPHERE_UNIFORM),
     ("ROULETTE_OFF", ROULETTE_OFF), ("ROULETTE_THROUGHPUT", ROULETTE_THROUGHPUT), ("ROULETTE_FIXED", ROULETTE_FIXED),
     ("ROULETTE_FIRST_BOUNCE", ROULETTE_FIRST_BOUNCE), ("BLOCK_SAMPLES", BLOCK_SAMPLES),
-    ("DISPATCH_BEGINS_RUN", DISPATCH_BEGINS_RUN),
+    ("DISPATCH_BEGINS_RUN", DISPATCH_BEGINS_RUN), ("MAX_SAMPLE_RADIANCE_BITS", MAX_SAMPLE_RADIANCE_BITS),
 ];

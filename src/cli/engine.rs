@@ -1,26 +1,14 @@
-//! The library as the commands use it: load, list, explain, render.
+//! The library as the commands use it: list, explain, render.
 //!
 //! Comes in: checked requests. Goes out: what the library answers, in the commands' words. Everything the commands need
-//! of `scene`, `gpu` and `render` goes through here.
-
-use std::path::Path;
+//! of `gpu` and of the renderer goes through here.
 
 use serde::Serialize;
 use texray::film::Film;
-use texray::render::{Observer, RenderReport, Settings};
+use texray::gpu::{self, Context, ContextOptions, DeviceChoice, DeviceInfo};
+use texray::render::{self, Effects, Observer, RenderReport, Settings};
 use texray::scene::Scene;
 use texray::{Error, Result};
-
-/// One line of the list of effects.
-#[derive(Clone, Debug, Serialize)]
-pub struct EffectLine {
-    /// The effect's name.
-    pub name: String,
-    /// Whether it is compiled in.
-    pub on: bool,
-    /// Why it is on, or off.
-    pub reason: String,
-}
 
 /// What a user is told of a device.
 #[derive(Clone, Debug, Serialize)]
@@ -39,6 +27,19 @@ pub struct DeviceLine {
     pub lacks: Option<String>,
 }
 
+impl DeviceLine {
+    fn of(info: &DeviceInfo) -> Result<DeviceLine> {
+        Ok(DeviceLine {
+            index: info.index,
+            name: info.name.clone(),
+            driver: info.driver.clone(),
+            summary: info.summary(),
+            details: to_json(info)?,
+            lacks: info.lacks.clone(),
+        })
+    }
+}
+
 /// A finished render.
 pub struct Rendered {
     /// What was accumulated.
@@ -55,33 +56,30 @@ pub struct Rendered {
 
 /// A device, open.
 pub struct Engine {
+    context: Context,
     device: DeviceLine,
-}
-
-/// Loads and checks a scene.
-pub fn load(path: &Path) -> Result<Scene> {
-    Err(Error::scene(path, 0, NOT_JOINED))
-}
-
-/// Refuses a scene in which nothing can emit.
-pub fn check_emits(scene: &Scene) -> Result<()> {
-    Err(Error::scene(&scene.path, 0, NOT_JOINED))
 }
 
 /// Every Vulkan device, usable or not.
 pub fn devices() -> Result<Vec<DeviceLine>> {
-    Err(Error::NoDevice(NOT_JOINED.into()))
+    gpu::list_devices()?.iter().map(DeviceLine::of).collect()
 }
 
 /// Every effect, on or off, with the reason.
-pub fn effects(_scene: &Scene, _settings: &Settings) -> Vec<EffectLine> {
-    Vec::new()
+pub fn effects(scene: &Scene, settings: &Settings) -> Effects {
+    Effects::of(scene, settings)
 }
 
 impl Engine {
     /// Opens the device of that number or name; `None`: the best one.
-    pub fn open(_device: Option<&str>, _validation: bool) -> Result<Engine> {
-        Err(Error::NoDevice(NOT_JOINED.into()))
+    pub fn open(device: Option<&str>, validation: bool) -> Result<Engine> {
+        let device = match device {
+            None => DeviceChoice::Auto,
+            Some(text) => text.parse().map_or_else(|_| DeviceChoice::Name(text.to_owned()), DeviceChoice::Index),
+        };
+        let context = Context::new(&ContextOptions { device, validation })?;
+        let device = DeviceLine::of(context.device_info())?;
+        Ok(Engine { context, device })
     }
 
     /// The device.
@@ -90,9 +88,18 @@ impl Engine {
     }
 
     /// Renders.
-    pub fn render(&self, _scene: &Scene, _settings: &Settings, _observer: &mut dyn Observer) -> Result<Rendered> {
-        Err(Error::Internal(NOT_JOINED.into()))
+    pub fn render(&self, scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -> Result<Rendered> {
+        let rendered = render::render(&self.context, scene, settings, observer)?;
+        Ok(Rendered {
+            film: rendered.film,
+            report: rendered.report,
+            ledger: to_json(&rendered.ledger)?,
+            ledger_table: rendered.ledger.table(),
+            validation: self.context.validation().messages,
+        })
     }
 }
 
-const NOT_JOINED: &str = "this part of texray is not joined to the command line yet";
+fn to_json(value: &impl Serialize) -> Result<serde_json::Value> {
+    serde_json::to_value(value).map_err(|error| Error::Internal(format!("a report that is not JSON: {error}")))
+}

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 use texray::Result;
-use texray::scene::Filter;
+use texray::render::Effect;
+use texray::scene::{Filter, Scene};
 
-use super::engine::{self, EffectLine};
+use super::engine;
 use super::settings::{EffectsChoice, SettingsArgs};
 use super::{Outcome, streams};
 
@@ -33,18 +34,18 @@ struct Document {
     schema: u32,
     scene: String,
     triangles: usize,
-    effects: Vec<EffectLine>,
+    effects: Vec<Effect>,
 }
 
 impl ExplainArgs {
     /// Prints set and reasons on stdout.
     pub fn run(&self) -> Result<Outcome> {
-        let scene = engine::load(&self.scene)?;
+        let scene = Scene::load(&self.scene)?;
         for warning in &scene.report.warnings {
             streams::say(&format!("warning: {warning}"));
         }
         let arguments = SettingsArgs::of_effects(self.filter, self.effects);
-        let effects = engine::effects(&scene, &arguments.settings(&scene)?);
+        let effects: Vec<_> = engine::effects(&scene, &arguments.settings(&scene)?).iter().cloned().collect();
         if self.json {
             let document = Document { schema: 1, scene: scene.name.clone(), triangles: scene.triangles.len(), effects };
             streams::answer_json(&document)?;
@@ -56,9 +57,9 @@ impl ExplainArgs {
 }
 
 /// One line an effect: name, on or off, reason.
-pub fn table(effects: &[EffectLine]) -> Vec<String> {
+pub fn table(effects: &[Effect]) -> Vec<String> {
     let width = effects.iter().map(|effect| effect.name.len()).max().unwrap_or(0);
-    let line = |effect: &EffectLine| {
+    let line = |effect: &Effect| {
         format!("{:width$}  {:3}  {}", effect.name, if effect.on { "on" } else { "off" }, effect.reason)
     };
     effects.iter().map(line).collect()

@@ -119,12 +119,12 @@ impl RenderArgs {
 
     fn load(&self) -> Result<(Scene, f64)> {
         let started = Instant::now();
-        let scene = engine::load(&self.scene)?;
+        let scene = Scene::load(&self.scene)?;
         for warning in &scene.report.warnings {
             say(&format!("warning: {warning}"));
         }
         if !self.settings.allow_black {
-            engine::check_emits(&scene)?;
+            scene.check_emits()?;
         }
         Ok((scene, started.elapsed().as_secs_f64()))
     }
@@ -134,7 +134,9 @@ impl RenderArgs {
             say(&format!("device {}", engine.device().summary));
         }
         if self.running.verbose {
-            explain::table(&engine::effects(scene, settings)).iter().for_each(|line| say(line));
+            explain::table(&engine::effects(scene, settings).iter().cloned().collect::<Vec<_>>())
+                .iter()
+                .for_each(|line| say(line));
         }
     }
 

@@ -10,11 +10,6 @@ use texray::{Error, Result};
 
 use super::parse;
 
-/// Samples a pixel where neither the command line nor the scene says.
-const DEFAULT_SPP: u32 = 256;
-/// Bounces where neither the command line nor the scene says.
-const DEFAULT_MAX_BOUNCES: u32 = 8;
-
 /// Which effects are compiled into the kernel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum EffectsChoice {
@@ -102,13 +97,14 @@ impl SettingsArgs {
                 )));
             }
         }
+        let defaults = Settings::for_scene(scene);
         Ok(Settings {
             width,
             height,
             crop: self.crop,
-            filter: self.filter.unwrap_or(scene.film.filter),
-            spp: self.spp.or(scene.render.spp).unwrap_or(DEFAULT_SPP),
-            max_bounces: self.max_bounces.or(scene.render.max_bounces).unwrap_or(DEFAULT_MAX_BOUNCES),
+            filter: self.filter.unwrap_or(defaults.filter),
+            spp: self.spp.unwrap_or(defaults.spp),
+            max_bounces: self.max_bounces.unwrap_or(defaults.max_bounces),
             seed: self.seed,
             sampler: self.sampler,
             accel: self.accel,
@@ -121,6 +117,7 @@ impl SettingsArgs {
             buffers: self.buffers,
             all_effects: self.effects == EffectsChoice::All,
             allow_black: self.allow_black,
+            ..defaults
         })
     }
 }

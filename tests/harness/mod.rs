@@ -4,9 +4,11 @@
 #![allow(dead_code)]
 
 pub mod comparison;
+pub mod device;
 pub mod distributions;
 pub mod golden;
 pub mod obj;
+pub mod probe;
 pub mod random;
 pub mod scenes;
 pub mod statistics;

@@ -1,7 +1,7 @@
-//! What a render is asked to do: checked values, from the command line and the scene's defaults.
+//! What a render is asked to do: checked values, from the command line and the scene's defaults. Every stage may read them.
 
 use crate::bvh::Builder;
-use crate::scene::Filter;
+use crate::scene::{Filter, Scene};
 
 /// Settings of a render. Everything here is checked: ranges are those stated at the fields.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +42,41 @@ pub struct Settings {
     pub all_effects: bool,
     /// Render even where nothing can emit.
     pub allow_black: bool,
+    /// Independently scrambled sets of samples that the film keeps apart, at least 2; the error estimate rests on them.
+    /// `None`: as many as the film's rule gives a picture of this size.
+    pub replicates: Option<u32>,
+}
+
+impl Settings {
+    /// The defaults for a scene: its size, filter and `[render]` table, and this program's choices for the rest.
+    pub fn for_scene(scene: &Scene) -> Settings {
+        Settings {
+            width: scene.film.width,
+            height: scene.film.height,
+            crop: None,
+            filter: scene.film.filter,
+            spp: scene.render.spp.unwrap_or(256),
+            max_bounces: scene.render.max_bounces.unwrap_or(8),
+            seed: 0,
+            sampler: Sampler::default(),
+            accel: AccelKind::default(),
+            builder: Builder::default(),
+            intersector: Intersector::default(),
+            lights: Lights::default(),
+            light_pick: LightPick::default(),
+            hemisphere: Hemisphere::default(),
+            roulette: Roulette::default(),
+            buffers: Buffers::default(),
+            all_effects: false,
+            allow_black: false,
+            replicates: None,
+        }
+    }
+
+    /// The part of the picture that is rendered, `[x, y, width, height]` in pixels.
+    pub fn region(&self) -> [u32; 4] {
+        self.crop.unwrap_or([0, 0, self.width, self.height])
+    }
 }
 
 /// Random-number scheme.

@@ -1,0 +1,28 @@
+// Effects and estimator choices as specialisation constants: plain `if`s on them leave no code behind.
+//
+// An effect that is off draws no random number and never changes the dimensions of those that others draw, so a picture
+// made with every effect on equals the one made with the scene's own set.
+#ifndef EFFECTS_GLSL
+#define EFFECTS_GLSL
+
+#include "interface.glsl"
+
+// Effects of a scene (render/effects.rs decides them, design section 6).
+layout(constant_id = SPEC_EFFECTS + EFFECT_EMITTERS) const uint HAS_EMITTERS = 1u;            // next-event estimation
+layout(constant_id = SPEC_EFFECTS + EFFECT_SKY) const uint HAS_SKY = 1u;                      // one add at a miss
+layout(constant_id = SPEC_EFFECTS + EFFECT_MIRROR) const uint HAS_MIRROR = 1u;                // one branch a hit
+layout(constant_id = SPEC_EFFECTS + EFFECT_GLASS) const uint HAS_GLASS = 1u;                  // Fresnel, refraction
+layout(constant_id = SPEC_EFFECTS + EFFECT_SMOOTH_NORMALS) const uint HAS_SMOOTH_NORMALS = 1u; // four texels a hit
+layout(constant_id = SPEC_EFFECTS + EFFECT_PIXEL_FILTER) const uint HAS_PIXEL_FILTER = 1u;    // a table look-up a path
+
+// Choices of the user.
+layout(constant_id = SPEC_ACCEL) const uint ACCEL = ACCEL_WIDE;
+layout(constant_id = SPEC_STACK_ENTRIES) const uint STACK_ENTRIES = 16u;
+layout(constant_id = SPEC_INTERSECTOR) const uint INTERSECTOR = INTERSECTOR_WATERTIGHT;
+layout(constant_id = SPEC_SAMPLER) const uint SAMPLER = SAMPLER_SOBOL;
+layout(constant_id = SPEC_LIGHTS) const uint LIGHTS = LIGHTS_MIS;
+layout(constant_id = SPEC_HEMISPHERE) const uint HEMISPHERE = HEMISPHERE_COSINE;
+layout(constant_id = SPEC_ROULETTE) const uint ROULETTE = ROULETTE_THROUGHPUT;
+layout(constant_id = SPEC_REFILL_EIGHTHS) const uint REFILL_EIGHTHS = 5u;
+
+#endif

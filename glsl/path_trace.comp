@@ -1,0 +1,109 @@
+// The path tracer: an invocation owns a pixel and runs its samples in order until they are done or its step budget is.
+//
+// In: the scene's records, the path states and open sums of the tile. Out: the same, and counters. One loop serves extension
+// and shadow rays; it is left when too few lanes of the subgroup still trace, so that idle lanes get new rays soon. What a
+// pixel computes depends on neither budget nor neighbours.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#if SUBGROUP_BALLOT
+#extension GL_KHR_shader_subgroup_ballot : require
+#endif
+
+#include "bindings.glsl"
+#include "path.glsl"
+
+layout(local_size_x_id = SPEC_WORKGROUP_X, local_size_y_id = SPEC_WORKGROUP_Y) in;
+
+// Lanes of this invocation's subgroup that reach this place together.
+uint lanes_here() {
+#if SUBGROUP_BALLOT
+    uvec4 ballot = subgroupBallot(true);
+    return bitCount(ballot.x) + bitCount(ballot.y) + bitCount(ballot.z) + bitCount(ballot.w);
+#else
+    return 1u;
+#endif
+}
+
+// Traces the path's ray until it is done, the budget is spent, or too few lanes still trace.
+void trace(inout Path path, inout Tally tally) {
+    Ray ray = make_ray(path.o, path.d);
+    bool shadow = path.phase == PHASE_SHADOW;
+    uint entered = lanes_here();
+    while (path.traversal.searching && tally.steps < push.budget) {
+        if (path.traversal.triangles.y == 0u) {
+            visit_node(path.traversal, ray);
+            tally.steps++;
+            tally.nodes++;
+        }
+        while (path.traversal.triangles.y != 0u && tally.steps < push.budget) {
+            visit_triangle(path.traversal, ray, path.skip, path.skip_too, shadow);
+            tally.steps++;
+            tally.triangles++;
+        }
+        if (path.traversal.triangles.y == 0u && !nodes_left(path.traversal)) {
+            path.traversal.searching = false;
+        }
+        if (lanes_here() * 8u < entered * REFILL_EIGHTHS) {
+            break;
+        }
+    }
+}
+
+void run_path(inout Path path, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
+    while (tally.steps + SHADING_STEPS < push.budget) {
+        tally.steps++;
+        if (!path.traversal.searching) {
+            if (path.phase == PHASE_EXTENSION) {
+                shade(path, pixel, open_sum, tally);
+            } else if (path.phase == PHASE_SHADOW) {
+                finish_shadow(path, open_sum, tally);
+            }
+            if (path.phase == PHASE_CAMERA) {
+                if (path.samples_done == push.samples) {
+                    path.phase = PHASE_FINISHED;
+                    break;
+                }
+                begin_sample(path, pixel, tally);
+            }
+        }
+        trace(path, tally);
+    }
+}
+
+void main() {
+    uvec2 place = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y + push.slice_row);
+    if (place.x >= push.tile_width || gl_GlobalInvocationID.y >= push.slice_rows || place.y >= push.tile_height) {
+        return;
+    }
+    uint tile_pixel = place.y * push.tile_width + place.x;
+    uvec2 pixel = place + uvec2(push.tile_x, push.tile_y);
+
+    Path path;
+    uvec4 open_sum;
+    if ((push.flags & DISPATCH_BEGINS_RUN) != 0u) {
+        path.phase = PHASE_CAMERA;
+        path.samples_done = 0u;
+        path.traversal = begin_traversal(no_hit(), vec3(0.0), vec3(0.0)); // nothing to search yet
+        open_sum = push.first_sample % BLOCK_SAMPLES == 0u ? uvec4(0u) : open_sums[tile_pixel];
+    } else {
+        if ((path_words[state_word(0u, tile_pixel)] & 3u) == PHASE_FINISHED) {
+            return;
+        }
+        path = load_path(tile_pixel);
+        open_sum = open_sums[tile_pixel];
+    }
+
+    Tally tally = Tally(0u, 0u, 0u, 0u, 0u);
+    run_path(path, pixel, open_sum, tally);
+
+    store_path(path, tile_pixel);
+    open_sums[tile_pixel] = open_sum;
+    if (path.phase != PHASE_FINISHED) {
+        atomicAdd(counters[COUNTER_UNFINISHED], 1u);
+    }
+    atomicAdd(counters[COUNTER_RAYS], tally.rays);
+    atomicAdd(counters[COUNTER_PATHS], tally.paths);
+    atomicAdd(counters[COUNTER_NODES], tally.nodes);
+    atomicAdd(counters[COUNTER_TRIANGLES], tally.triangles);
+    atomicMax(counters[COUNTER_MAX_STEPS], tally.steps);
+}

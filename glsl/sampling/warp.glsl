@@ -1,0 +1,57 @@
+// Warps of the unit square, and the basis that turns them to a normal.
+#ifndef SAMPLING_WARP_GLSL
+#define SAMPLING_WARP_GLSL
+
+const float PI = 3.14159265358979;
+const float INV_PI = 0.318309886183791;
+
+// An orthonormal basis around the unit vector n. Duff et al., "Building an Orthonormal Basis, Revisited" (JCGT 2017).
+void make_basis(vec3 n, out vec3 s, out vec3 t) {
+    precise float sign_z = n.z >= 0.0 ? 1.0 : -1.0;
+    precise float a = -1.0 / (sign_z + n.z);
+    precise float b = n.x * n.y * a;
+    precise vec3 first = vec3(1.0 + sign_z * n.x * n.x * a, sign_z * b, -sign_z * n.x);
+    precise vec3 second = vec3(b, sign_z + n.y * n.y * a, -n.y);
+    s = first;
+    t = second;
+}
+
+// Shirley and Chiu's concentric map from the square to the unit disc (1997). sin and cos are only good to 2^-11 on some
+// devices, so the point is put back on its circle.
+vec2 square_to_disc(vec2 u) {
+    vec2 centred = 2.0 * u - 1.0;
+    if (centred.x == 0.0 && centred.y == 0.0) {
+        return vec2(0.0);
+    }
+    bool wide = abs(centred.x) > abs(centred.y);
+    float radius = wide ? centred.x : centred.y;
+    float angle = wide ? (PI / 4.0) * (centred.y / centred.x) : (PI / 2.0) - (PI / 4.0) * (centred.x / centred.y);
+    precise vec2 unit = vec2(cos(angle), sin(angle));
+    precise float squared = unit.x * unit.x + unit.y * unit.y;
+    precise vec2 point = unit * (radius * inversesqrt(squared));
+    return point;
+}
+
+// A unit direction around +z with density cos / pi (Malley's method).
+vec3 cosine_hemisphere(vec2 u) {
+    vec2 disc = square_to_disc(u);
+    precise float z2 = 1.0 - disc.x * disc.x - disc.y * disc.y;
+    return vec3(disc, sqrt(max(z2, 0.0)));
+}
+
+// A unit direction around +z with density 1 / (2 pi).
+vec3 uniform_hemisphere(vec2 u) {
+    vec2 disc = square_to_disc(u);
+    precise float r2 = disc.x * disc.x + disc.y * disc.y;
+    precise float scale = sqrt(max(2.0 - r2, 0.0));
+    return vec3(disc * scale, max(1.0 - r2, 0.0));
+}
+
+// Barycentrics (b1, b2) uniform over a triangle.
+vec2 square_to_triangle(vec2 u) {
+    precise float root = sqrt(u.x);
+    precise vec2 b = vec2(root * (1.0 - u.y), root * u.y);
+    return b;
+}
+
+#endif

@@ -1,0 +1,77 @@
+// Next-event estimation: a point on a light, chosen by area, and the weights that combine it with BSDF sampling.
+#ifndef SHADING_LIGHT_GLSL
+#define SHADING_LIGHT_GLSL
+
+#include "effects.glsl"
+#include "records/light.glsl"
+#include "sampling/random.glsl"
+#include "sampling/warp.glsl"
+#include "shading/bsdf.glsl"
+#include "shading/interaction.glsl"
+
+// Veach's power heuristic with exponent 2, for the strategy with density `a` against one with density `b`. Dividing first
+// keeps the squares from overflowing; 0 against anything is 0.
+float power_heuristic(float a, float b) {
+    if (!(a > 0.0)) {
+        return 0.0;
+    }
+    precise float ratio = b / a;
+    precise float weight = 1.0 / (1.0 + ratio * ratio);
+    return weight;
+}
+
+// Density per solid angle of a point on a light seen at squared distance `distance2` under the cosine `cosine`.
+float light_pdf(float pdf_area, float distance2, float cosine) {
+    precise float pdf = pdf_area * distance2 / cosine;
+    return pdf;
+}
+
+// Index of the light whose share of the random words holds `word`. Counts its loop's iterations in `steps`.
+uint pick_light(uint word, inout uint steps) {
+    uint low = 0u;
+    uint high = push.light_count - 1u;
+    while (low < high) {
+        uint middle = (low + high) >> 1;
+        if (word <= fetch_light(middle).cdf_end) {
+            high = middle;
+        } else {
+            low = middle + 1u;
+        }
+        steps++;
+    }
+    return low;
+}
+
+struct LightSample {
+    vec3 d;         // From the ray's origin to the point on the light (t = 1 is the light).
+    vec3 radiance;  // What it would add to the path, if nothing is in between; zero if it cannot.
+    uint triangle;  // The light's triangle, in leaf order.
+};
+
+// A light sample for the Lambert surface `it`, seen from the ray origin `o`.
+LightSample sample_light(Interaction it, vec3 o, uvec4 directions, uvec4 choices, inout uint steps) {
+    Light light = fetch_light(pick_light(choices.y, steps));
+    Triangle triangle = fetch_triangle(light.triangle);
+    Surface surface = fetch_surface(light.triangle);
+    vec2 b = square_to_triangle(unit_float2(directions.zw));
+    precise vec3 point = triangle.v0 + b.x * (triangle.v1 - triangle.v0) + b.y * (triangle.v2 - triangle.v0);
+    precise vec3 d = point - o;
+    precise float distance2 = d.x * d.x + d.y * d.y + d.z * d.z;
+    LightSample none = LightSample(d, vec3(0.0), light.triangle);
+    if (!(distance2 > 0.0)) {
+        return none;
+    }
+    precise vec3 wi = d * inversesqrt(distance2);
+    precise float cos_light = -(wi.x * surface.ng.x + wi.y * surface.ng.y + wi.z * surface.ng.z);
+    precise float cos_surface = wi.x * it.ns.x + wi.y * it.ns.y + wi.z * it.ns.z;
+    if (!(cos_light > 0.0) || !(cos_surface > 0.0) || !(dot(wi, it.ng) > 0.0)) {
+        return none;
+    }
+    float pdf = light_pdf(light.pdf_area, distance2, cos_light);
+    float weight = LIGHTS == LIGHTS_MIS ? power_heuristic(pdf, lambert_pdf(cos_surface)) : 1.0;
+    vec3 emission = fetch_material(surface.material).emission;
+    precise vec3 radiance = emission * it.material.reflectance * (INV_PI * cos_surface * (weight / pdf));
+    return LightSample(d, radiance, light.triangle);
+}
+
+#endif

@@ -1,0 +1,63 @@
+// A ray with what the box and triangle tests derive from it. The CPU twin is src/bvh/intersect.rs: same operations in the
+// same order, so that both find the same hit bit for bit.
+#ifndef TRACE_RAY_GLSL
+#define TRACE_RAY_GLSL
+
+// 2^-20: a triangle's own box grows by this share of the ray's reach; it covers the rounding of the slab test and of the
+// sheared vertices (docs/decisions.md, 'hit order').
+const float TRIANGLE_PAD = 9.5367431640625e-7;
+// 2^-19: a node's box grows by twice that, so that whatever a triangle's own box admits, every box around it admits.
+const float NODE_PAD = 1.9073486328125e-6;
+// 1 - 2^-16: an emitter's distance counts as this much nearer, so that a light in the plane of a wall wins the tie.
+const float EMITTER_NEARER = 0.9999847412109375;
+// 1 + 2^-15: boxes are left out only beyond this multiple of the best key; it exceeds 1 / EMITTER_NEARER.
+const float CULL_BEYOND = 1.000030517578125;
+// 2^100: the key of no hit, beyond any distance; a multiple of it is still finite.
+const float NO_HIT_KEY = 1.2676506002282294e30;
+
+struct Ray {
+    vec3 o;             // Origin, scaled units.
+    vec3 d;             // Direction, of any length.
+    vec3 inv;           // 1 / d, finite.
+    float reach;        // Bounds every coordinate difference between the origin and the scene.
+    vec3 o_permuted;    // Origin with the axis of the largest |d| last.
+    vec3 shear;         // d.x / d.z, d.y / d.z, 1 / d.z in that order of axes.
+    bool z_is_x;        // That axis is x,
+    bool z_is_y;        // or y; otherwise it is z.
+};
+
+// `v` with the ray's largest axis last, the order kept cyclic (Woop, Benthin and Wald 2013, section 3).
+vec3 permute(Ray ray, vec3 v) {
+    return ray.z_is_x ? v.yzx : (ray.z_is_y ? v.zxy : v);
+}
+
+Ray make_ray(vec3 o, vec3 d) {
+    Ray ray;
+    ray.o = o;
+    ray.d = d;
+    // A component of zero would give 0 * inf on a box's plane; the sign stays, and 1e18 overflows nothing.
+    vec3 tiny = uintBitsToFloat((floatBitsToUint(d) & 0x80000000u) | floatBitsToUint(1.0e-18));
+    precise vec3 guarded = mix(tiny, d, greaterThanEqual(abs(d), vec3(1.0e-18)));
+    precise vec3 inv = 1.0 / guarded;
+    ray.inv = inv;
+    vec3 a = abs(o);
+    // The scene is scaled to lie within [-1, 1] on every axis.
+    precise float reach = (a.y > a.x ? (a.z > a.y ? a.z : a.y) : (a.z > a.x ? a.z : a.x)) + 1.0;
+    ray.reach = reach;
+    vec3 m = abs(d);
+    ray.z_is_x = !(m.y > m.x) && !(m.z > m.x);
+    ray.z_is_y = !ray.z_is_x && !(m.z > m.y);
+    ray.o_permuted = permute(ray, o);
+    vec3 p = permute(ray, d);
+    precise vec3 shear = vec3(p.x / p.z, p.y / p.z, 1.0 / p.z);
+    ray.shear = shear;
+    return ray;
+}
+
+// Whether a ray can be traced: all its numbers finite, its direction not zero. Anything else hits nothing, at no cost.
+bool is_traceable(vec3 o, vec3 d) {
+    uvec3 m = max(floatBitsToUint(o) & 0x7fffffffu, floatBitsToUint(d) & 0x7fffffffu);
+    return max(max(m.x, m.y), m.z) < 0x7f800000u && (d.x != 0.0 || d.y != 0.0 || d.z != 0.0);
+}
+
+#endif

@@ -1,0 +1,108 @@
+//! Effects: the least set that a scene calls for, each with the reason it is on.
+//!
+//! Comes in: a scene and settings. Goes out: the values of the effect specialisation constants. An effect that is off leaves
+//! neither code nor buffers behind; the picture is the same bit for bit as with every effect on.
+
+use std::fmt;
+
+use crate::interface::{
+    EFFECT_EMITTERS, EFFECT_GLASS, EFFECT_MIRROR, EFFECT_PIXEL_FILTER, EFFECT_SKY, EFFECT_SMOOTH_NORMALS, EFFECTS,
+    NO_INDEX,
+};
+use crate::scene::{Filter, Material, MaterialKind, Scene};
+use crate::settings::Settings;
+
+/// Names of the effects, in the order of their numbers: part of the interface to users.
+pub const EFFECT_NAMES: [&str; EFFECTS as usize] =
+    ["emitters", "sky", "mirror", "glass", "smooth_normals", "pixel_filter"];
+
+/// Whether an effect is on, and why.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Effect {
+    /// Name, one of [`EFFECT_NAMES`].
+    pub name: &'static str,
+    /// Whether the kernel contains it.
+    pub on: bool,
+    /// What in the scene calls for it, or that nothing does.
+    pub reason: String,
+}
+
+/// The effects of a render, one of each.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Effects(Vec<Effect>);
+
+impl Effects {
+    /// The least set of effects that gives the scene's picture; all of them where the settings ask for that.
+    pub fn of(scene: &Scene, settings: &Settings) -> Effects {
+        let mut reasons: [Option<String>; EFFECTS as usize] = Default::default();
+        let counts = triangles_by_material(scene);
+        let by_material = |noun: &str, wanted: &dyn Fn(&Material) -> bool| {
+            let (index, material) = (0..).zip(&scene.materials).find(|(i, m)| counts[*i] > 0 && wanted(m))?;
+            Some(format!("{noun}: material `{}`, {}", material.name, triangles(counts[index])))
+        };
+        reasons[EFFECT_EMITTERS as usize] = by_material("emission", &Material::emits);
+        reasons[EFFECT_SKY as usize] =
+            scene.sky.filter(|sky| sky.iter().any(|&c| c > 0.0)).map(|_| "the scene has an environment".into());
+        reasons[EFFECT_MIRROR as usize] = by_material("mirror", &|m| matches!(m.kind, MaterialKind::Mirror { .. }));
+        reasons[EFFECT_GLASS as usize] = by_material("glass", &|m| matches!(m.kind, MaterialKind::Glass { .. }));
+        let smooth = scene.triangles.iter().filter(|t| t.corners != NO_INDEX).count();
+        reasons[EFFECT_SMOOTH_NORMALS as usize] =
+            (smooth > 0).then(|| format!("vertex normals: {}", triangles(smooth)));
+        reasons[EFFECT_PIXEL_FILTER as usize] =
+            (settings.filter != Filter::Box).then(|| format!("filter `{}`", name_of(settings.filter)));
+        let effect = |(name, reason): (&'static str, Option<String>)| match reason {
+            Some(reason) => Effect { name, on: true, reason },
+            None if settings.all_effects => Effect { name, on: true, reason: "asked for by --effects all".into() },
+            None => Effect { name, on: false, reason: "nothing calls for it".into() },
+        };
+        Effects(EFFECT_NAMES.into_iter().zip(reasons).map(effect).collect())
+    }
+
+    /// Every effect with its state and reason.
+    pub fn iter(&self) -> impl Iterator<Item = &Effect> {
+        self.0.iter()
+    }
+
+    /// Names of the effects that are on.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.iter().filter(|effect| effect.on).map(|effect| effect.name).collect()
+    }
+
+    /// Whether the effect with number `effect` (an `interface::EFFECT_*`) is on.
+    pub fn is_on(&self, effect: u32) -> bool {
+        self.0[effect as usize].on
+    }
+
+    /// The same set with one effect taken out, for the control of the test that the least set suffices: the picture must
+    /// change where the scene calls for it.
+    pub fn without(mut self, effect: u32) -> Effects {
+        let effect = &mut self.0[effect as usize];
+        effect.on = false;
+        effect.reason = "taken out".into();
+        self
+    }
+}
+
+impl fmt::Display for Effects {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for effect in self.iter() {
+            writeln!(f, "{:<15} {:<4} {}", effect.name, if effect.on { "on" } else { "off" }, effect.reason)?;
+        }
+        Ok(())
+    }
+}
+
+fn triangles_by_material(scene: &Scene) -> Vec<usize> {
+    let mut counts = vec![0; scene.materials.len()];
+    scene.triangles.iter().for_each(|triangle| counts[triangle.material as usize] += 1);
+    counts
+}
+
+fn triangles(count: usize) -> String {
+    format!("{count} triangle{}", if count == 1 { "" } else { "s" })
+}
+
+fn name_of(filter: Filter) -> String {
+    use clap::ValueEnum;
+    filter.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+}

@@ -1,0 +1,375 @@
+//! Stage 5: the frame loop.
+//!
+//! A run takes every pixel of the region through the same samples: tile by tile, and in a tile slice by slice, each
+//! dispatched until no path is left unfinished. A tile's open sums come back in a copy that overlaps the next slice's
+//! dispatch; when the run is whole they enter the film, as a closed block or as the open one. So every run boundary is a valid
+//! place to stop, and what a pixel computes depends on none of these sizes.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::bvh::Accel;
+use crate::error::{Error, Result};
+use crate::film::{Film, replicate_of_block};
+use crate::gpu::{
+    Barrier, BindGroup, Buffer, BufferUse, ComputePipeline, Context, DeviceKind, InFlight, Ledger, Memory, Readback,
+    Recorder, Resource, Uploader,
+};
+use crate::interface::*;
+use crate::render::effects::Effects;
+use crate::render::kernel::{self, Constants, Dispatch};
+use crate::render::pace::{Pace, RunLength};
+use crate::render::report::{Bytes, Observer, Progress, RenderReport, StageSeconds, StopReason};
+use crate::render::tiles::{self, SUM_BYTES, Tile};
+use crate::render::upload::{self, GpuScene};
+use crate::render::{Rendered, Tuning, build_accel};
+use crate::scene::Scene;
+use crate::settings::{Buffers, Sampler, Settings};
+use crate::texels::TexelData;
+use crate::texels::random::splitmix64;
+
+/// Bytes of the counters.
+const COUNTER_BYTES: u64 = 4 * COUNTERS as u64;
+
+/// Where lanes refill by default; measured in docs/performance.md.
+const REFILL_EIGHTHS: u32 = 5;
+
+/// A scene on the device, ready to be rendered.
+pub struct Renderer {
+    context: Context,
+    settings: Settings,
+    effects: Effects,
+    constants: Constants,
+    pipeline: Arc<ComputePipeline>,
+    bind_group: Arc<BindGroup>,
+    tiles: Vec<Tile>,
+    sums: Arc<Buffer>,
+    counters: Arc<Buffer>,
+    /// Two places for a tile's sums to come back to: one is read while the other is written.
+    readbacks: [Readback; 2],
+    counter_readback: Readback,
+    pace: Pace,
+    run_length: RunLength,
+    film: Film,
+    /// What came back of the run so far, `[sum.rgb, count]` a pixel of the region.
+    run_sums: Vec<[u32; 4]>,
+    /// The same of the last whole run: the open block of every pixel, if it is open.
+    open_sums: Vec<[u32; 4]>,
+    ledger: Ledger,
+    report: RenderReport,
+}
+
+/// A copy of a tile's sums that is under way.
+struct PendingTile {
+    copy: InFlight,
+    tile: Tile,
+    slot: usize,
+}
+
+impl Renderer {
+    /// Builds the tree, packs and copies the records, and makes the pipeline.
+    pub fn new(context: &Context, scene: &Scene, settings: &Settings, tuning: &Tuning) -> Result<Renderer> {
+        if !settings.allow_black {
+            scene.check_emits()?;
+        }
+        let mut seconds = StageSeconds::default();
+        let mut ledger = Ledger::default();
+        let [_, _, width, height] = settings.region();
+        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        let replicates = settings.replicates.unwrap_or_else(|| Film::replicates(pixels));
+        let film = Film::new(width, height, replicates, scene.scaling.radiance_exponent)?;
+
+        let start = Instant::now();
+        let accel = build_accel(scene, settings);
+        seconds.bvh = start.elapsed().as_secs_f64();
+
+        let start = Instant::now();
+        let data = TexelData::pack(scene, &accel, settings)?;
+        let buffers = match upload::fits_texel_buffers(&data, context) {
+            true => settings.buffers,
+            false => Buffers::Storage,
+        };
+        let gpu_scene = GpuScene::upload(context, &data, buffers, &mut ledger)?;
+        seconds.upload = start.elapsed().as_secs_f64();
+
+        let start = Instant::now();
+        let mut effects = Effects::of(scene, settings);
+        if let Some(effect) = tuning.without_effect {
+            effects = effects.without(effect);
+        }
+        let refill = tuning.refill_eighths.unwrap_or(REFILL_EIGHTHS);
+        let pipeline = kernel::path_tracer(context, settings, &accel, &effects, buffers, refill)?;
+        seconds.pipeline = start.elapsed().as_secs_f64();
+
+        let tile_size = match tuning.tile {
+            Some(size) => size,
+            None => tile_size(context, settings, &accel)?,
+        };
+        let tile_pixels = u64::from(tile_size[0]) * u64::from(tile_size[1]);
+        let device =
+            |name, bytes| Buffer::new(context, name, bytes, BufferUse { texel: false, storage: true }, Memory::Device);
+        let paths = device("path states", tile_pixels * tiles::path_bytes(accel.stack_entries()))?;
+        let sums = device("open sums", tile_pixels * SUM_BYTES)?;
+        let counters = device("counters", COUNTER_BYTES)?;
+        let mut resources = gpu_scene.resources().to_vec();
+        resources.push((BINDING_PATHS, Resource::Storage(paths)));
+        resources.push((BINDING_SUMS, Resource::Storage(sums.clone())));
+        resources.push((BINDING_COUNTERS, Resource::Storage(counters.clone())));
+        let bind_group = BindGroup::new(&pipeline, &resources)?;
+        let readback = |name| Readback::new(context, name, tile_pixels * SUM_BYTES);
+        let region_pixels = width as usize * height as usize;
+        Ok(Renderer {
+            constants: constants(scene, settings, &data, replicates),
+            report: empty_report(&effects, seconds, settings),
+            context: context.clone(),
+            settings: settings.clone(),
+            effects,
+            pipeline,
+            bind_group,
+            tiles: tiles::tiles(settings.region(), tile_size),
+            readbacks: [readback("sums readback 0")?, readback("sums readback 1")?],
+            counter_readback: Readback::new(context, "counters readback", COUNTER_BYTES)?,
+            sums,
+            counters,
+            pace: Pace::new(context.device_info().kind == DeviceKind::Cpu, tuning.budget),
+            run_length: RunLength::new(tuning.run_samples),
+            film,
+            run_sums: vec![[0; 4]; region_pixels],
+            open_sums: vec![[0; 4]; region_pixels],
+            ledger,
+        })
+    }
+
+    /// Renders until the samples are done or the observer stops it, after the first whole run at the earliest.
+    pub fn render(mut self, observer: &mut dyn Observer) -> Result<Rendered> {
+        let start = Instant::now();
+        let spp = self.settings.spp;
+        let mut done = 0;
+        while done < spp {
+            let run_start = Instant::now();
+            let samples = self.run_length.next(done, spp);
+            if !self.run(done, samples, start, observer)? {
+                self.report.stop_reason = StopReason::Interrupted;
+                break;
+            }
+            self.commit(done, samples)?;
+            done += samples;
+            self.run_length.note(samples, run_start.elapsed());
+            self.tell(done, 0, start, observer);
+        }
+        self.report.spp = done;
+        self.report.seconds.render = start.elapsed().as_secs_f64();
+        self.report.bytes = Bytes {
+            uploaded: self.ledger.bytes_up(),
+            read_back: self.ledger.bytes_down(),
+            device: self.context.device_bytes_peak(),
+        };
+        Ok(Rendered { film: self.film, report: self.report, ledger: self.ledger, effects: self.effects })
+    }
+
+    /// One run over all tiles; false where the observer stopped it. The first run always ends: it is the first picture.
+    fn run(&mut self, first: u32, samples: u32, start: Instant, observer: &mut dyn Observer) -> Result<bool> {
+        let mut pending: Option<PendingTile> = None;
+        let mut pixels_done = 0;
+        for index in 0..self.tiles.len() {
+            let tile = self.tiles[index];
+            if self.tiles.len() > 1 && first % BLOCK_SAMPLES != 0 {
+                self.upload_open_sums(tile)?;
+            }
+            let mut row = 0;
+            while row < tile.height {
+                let rows = self.pace.rows.min(tile.height - row);
+                let mut dispatch = Dispatch {
+                    tile,
+                    rows: [row, rows],
+                    samples: [first, samples],
+                    budget: self.pace.budget,
+                    begins_run: true,
+                };
+                let slice_start = Instant::now();
+                loop {
+                    let frame = self.submit(&dispatch)?;
+                    if let Some(tile) = pending.take() {
+                        self.absorb(tile)?;
+                    }
+                    let unfinished = self.finish(frame, dispatch.budget)?;
+                    if dispatch.begins_run {
+                        self.pace.note(rows, slice_start.elapsed());
+                    }
+                    if unfinished == 0 {
+                        break;
+                    }
+                    if first > 0 && observer.stop_requested() {
+                        return Ok(false);
+                    }
+                    dispatch.begins_run = false;
+                    dispatch.budget = self.pace.budget;
+                }
+                row += rows;
+                pixels_done += u64::from(rows) * u64::from(tile.width);
+                self.tell(first, pixels_done * u64::from(samples), start, observer);
+                if first > 0 && observer.stop_requested() {
+                    return Ok(false);
+                }
+            }
+            pending = Some(self.copy_sums(tile, index % 2)?);
+        }
+        if let Some(tile) = pending {
+            self.absorb(tile)?;
+        }
+        Ok(true)
+    }
+
+    /// Records and submits one dispatch, its counters cleared before and copied after.
+    fn submit(&mut self, dispatch: &Dispatch) -> Result<InFlight> {
+        let mut recorder = Recorder::new(&self.context, "frame")?;
+        // The last frame's shader and copy have used the counters before they are cleared.
+        recorder.barrier(Barrier::ComputeToTransfer)?;
+        recorder.barrier(Barrier::TransferToTransfer)?;
+        recorder.fill(&self.counters, 0, COUNTER_BYTES, 0)?;
+        // The counters are cleared, and the copy of the last tile's sums has read them, before this frame's shader writes.
+        recorder.barrier(Barrier::TransferToCompute)?;
+        // The last frame's shader has written the path states and sums that this one reads.
+        recorder.barrier(Barrier::ComputeToCompute)?;
+        recorder.dispatch(&self.pipeline, &self.bind_group, &self.constants.push(dispatch), dispatch.groups())?;
+        let why = "unfinished paths and counts of a frame";
+        self.counter_readback.copy_from(&mut recorder, &mut self.ledger, &self.counters, 0, 0, COUNTER_BYTES, why)?;
+        recorder.submit()
+    }
+
+    /// Waits for a frame and adds up its counters; returns how many pixels are unfinished.
+    fn finish(&mut self, frame: InFlight, budget: u32) -> Result<u32> {
+        frame.wait()?;
+        let mut counters = [0u32; COUNTERS as usize];
+        bytemuck::cast_slice_mut(&mut counters).copy_from_slice(self.counter_readback.bytes()?);
+        let counter = |index: u32| u64::from(counters[index as usize]);
+        let steps = counter(COUNTER_MAX_STEPS);
+        if steps > u64::from(budget) {
+            return Err(Error::Internal(format!("an invocation took {steps} steps of a budget of {budget}")));
+        }
+        if counter(COUNTER_STACK_OVERFLOW) > 0 {
+            return Err(Error::Internal("the traversal stack is too small for the tree".into()));
+        }
+        self.report.rays += counter(COUNTER_RAYS);
+        self.report.paths += counter(COUNTER_PATHS);
+        self.report.node_visits += counter(COUNTER_NODES);
+        self.report.triangle_tests += counter(COUNTER_TRIANGLES);
+        for (cause, index) in INVALID_CAUSES {
+            *self.report.invalid_samples.entry(cause).or_default() += counter(index);
+        }
+        Ok(counters[COUNTER_UNFINISHED as usize])
+    }
+
+    /// Starts the copy of a finished tile's sums to readback `slot`.
+    fn copy_sums(&mut self, tile: Tile, slot: usize) -> Result<PendingTile> {
+        let mut recorder = Recorder::new(&self.context, "read back sums")?;
+        let bytes = tile.pixels() * SUM_BYTES;
+        let readback = &mut self.readbacks[slot];
+        readback.copy_from(&mut recorder, &mut self.ledger, &self.sums, 0, 0, bytes, "sums of a run")?;
+        Ok(PendingTile { copy: recorder.submit()?, tile, slot })
+    }
+
+    /// Waits for a tile's sums and puts them in their place in the run.
+    fn absorb(&mut self, pending: PendingTile) -> Result<()> {
+        let start = Instant::now();
+        let PendingTile { copy, tile, slot } = pending;
+        copy.wait()?;
+        let bytes = &self.readbacks[slot].bytes()?[..(tile.pixels() * SUM_BYTES) as usize];
+        let [x, y, width, _] = self.settings.region();
+        for (row, line) in (0..tile.height).zip(bytes.chunks_exact(16 * tile.width as usize)) {
+            let at = (tile.y - y + row) as usize * width as usize + (tile.x - x) as usize;
+            bytemuck::cast_slice_mut(&mut self.run_sums[at..at + tile.width as usize]).copy_from_slice(line);
+        }
+        self.report.seconds.readback += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Gives a tile its open sums back: another tile has been on the device since.
+    fn upload_open_sums(&mut self, tile: Tile) -> Result<()> {
+        let [x, y, width, _] = self.settings.region();
+        let mut sums = Vec::with_capacity(tile.pixels() as usize);
+        for row in 0..tile.height {
+            let at = (tile.y - y + row) as usize * width as usize + (tile.x - x) as usize;
+            sums.extend_from_slice(&self.open_sums[at..at + tile.width as usize]);
+        }
+        let mut uploader = Uploader::new(&self.context)?;
+        uploader.upload(&mut self.ledger, &self.sums, 0, bytemuck::cast_slice(&sums), "open sums of a tile")?;
+        uploader.finish()
+    }
+
+    /// Enters a whole run into the film.
+    fn commit(&mut self, first: u32, samples: u32) -> Result<()> {
+        let start = Instant::now();
+        let end = first + samples;
+        let replicate = replicate_of_block(first / BLOCK_SAMPLES, self.constants.replicates);
+        let whole = [0, 0, self.film.width(), self.film.height()];
+        if end % BLOCK_SAMPLES == 0 {
+            self.film.add_block(replicate, whole, &self.run_sums)?;
+        } else {
+            self.film.set_open(replicate, whole, &self.run_sums)?;
+        }
+        std::mem::swap(&mut self.run_sums, &mut self.open_sums);
+        self.report.seconds.readback += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    fn tell(&self, spp_done: u32, extra_samples: u64, start: Instant, observer: &mut dyn Observer) {
+        let pixels = self.film.pixels() as f64;
+        let all = pixels * f64::from(self.settings.spp);
+        observer.progress(&Progress {
+            spp_done,
+            spp_target: self.settings.spp,
+            fraction: ((pixels * f64::from(spp_done) + extra_samples as f64) / all).min(1.0),
+            paths: self.report.paths,
+            seconds: start.elapsed().as_secs_f64(),
+            relative_rmse: None,
+        });
+    }
+}
+
+/// Names of the causes for which a sample is left out, and their counters.
+const INVALID_CAUSES: [(&str, u32); 3] =
+    [("nan", COUNTER_INVALID_NAN), ("infinite", COUNTER_INVALID_INFINITE), ("negative", COUNTER_INVALID_NEGATIVE)];
+
+/// Half of the heap that the scene has left is for the paths.
+fn tile_size(context: &Context, settings: &Settings, accel: &Accel) -> Result<[u32; 2]> {
+    let limits = context.device_info();
+    let [_, _, width, height] = settings.region();
+    let in_one_buffer = limits.max_storage_buffer_range.min(limits.max_memory_allocation_size);
+    let memory = (limits.device_heap_bytes() / 2).saturating_sub(context.device_bytes());
+    tiles::largest_tile(width, height, accel.stack_entries(), in_one_buffer, memory)
+}
+
+fn constants(scene: &Scene, settings: &Settings, data: &TexelData, replicates: u32) -> Constants {
+    let mut state = settings.seed;
+    let mixed = splitmix64(&mut state);
+    Constants {
+        triangles: data.triangle_count,
+        lights: data.light_count,
+        max_bounces: settings.max_bounces,
+        replicates,
+        seed: [mixed as u32, (mixed >> 32) as u32],
+        roulette_p: kernel::roulette_value(settings.roulette).1,
+        sky: scene.sky.unwrap_or_default(),
+    }
+}
+
+fn empty_report(effects: &Effects, seconds: StageSeconds, settings: &Settings) -> RenderReport {
+    let sets = u64::from(settings.spp) * (1 + 2 * u64::from(settings.max_bounces));
+    RenderReport {
+        spp: 0,
+        stop_reason: StopReason::Spp,
+        seconds,
+        paths: 0,
+        rays: 0,
+        node_visits: 0,
+        triangle_tests: 0,
+        effects: effects.names(),
+        invalid_samples: INVALID_CAUSES.iter().map(|&(cause, _)| (cause, 0)).collect(),
+        table_wraps: match settings.sampler {
+            Sampler::Table => sets / u64::from(RANDOM_TABLE_TEXELS),
+            _ => 0,
+        },
+        bytes: Bytes::default(),
+    }
+}

@@ -1,0 +1,187 @@
+//! The path-tracing kernel: its bindings, its specialisation for a scene, its push constants.
+
+use std::sync::Arc;
+
+use crate::bvh::Accel;
+use crate::error::Result;
+use crate::gpu::{BindingKind, BindingSlot, ComputePipeline, Context, PipelineDesc, shaders};
+use crate::interface::*;
+use crate::render::effects::Effects;
+use crate::render::tiles::Tile;
+use crate::settings::{AccelKind, Buffers, Hemisphere, Intersector, Lights, Roulette, Sampler, Settings};
+
+/// Workgroup of 8 x 8 pixels: neighbours trace alike, and no shape was faster on lavapipe.
+pub const WORKGROUP: [u32; 2] = [8, 8];
+
+/// Every binding of the path tracer's descriptor set.
+pub fn bindings() -> Vec<BindingSlot> {
+    let texel = (0..RECORD_BINDINGS).map(|number| BindingSlot { number, kind: BindingKind::Texel });
+    let storage = (STORAGE_TWIN..STORAGE_TWIN + RECORD_BINDINGS).chain([BINDING_PATHS, BINDING_SUMS, BINDING_COUNTERS]);
+    texel.chain(storage.map(|number| BindingSlot { number, kind: BindingKind::Storage })).collect()
+}
+
+/// Builds the pipeline, specialised for the scene's effects and the user's choices.
+pub fn path_tracer(
+    context: &Context,
+    settings: &Settings,
+    accel: &Accel,
+    effects: &Effects,
+    buffers: Buffers,
+    refill_eighths: u32,
+) -> Result<Arc<ComputePipeline>> {
+    let mut specialization = vec![
+        (SPEC_WORKGROUP_X, WORKGROUP[0]),
+        (SPEC_WORKGROUP_Y, WORKGROUP[1]),
+        (SPEC_STORAGE_RECORDS, u32::from(buffers == Buffers::Storage)),
+        (SPEC_ACCEL, accel_value(settings.accel)),
+        (SPEC_STACK_ENTRIES, accel.stack_entries()),
+        (SPEC_INTERSECTOR, intersector_value(settings.intersector)),
+        (SPEC_SAMPLER, sampler_value(settings.sampler)),
+        (SPEC_LIGHTS, lights_value(settings.lights)),
+        (SPEC_HEMISPHERE, hemisphere_value(settings.hemisphere)),
+        (SPEC_ROULETTE, roulette_value(settings.roulette).0),
+        (SPEC_REFILL_EIGHTHS, refill_eighths),
+    ];
+    specialization.extend((0..EFFECTS).map(|effect| (SPEC_EFFECTS + effect, u32::from(effects.is_on(effect)))));
+    let ballot = context.device_info().subgroup_ballot;
+    ComputePipeline::new(
+        context,
+        &PipelineDesc {
+            name: "path tracer",
+            spirv: if ballot { shaders::PATH_TRACE } else { shaders::PATH_TRACE_PLAIN },
+            bindings: &bindings(),
+            push_constant_bytes: PUSH_CONSTANT_BYTES,
+            specialization: &specialization,
+        },
+    )
+}
+
+/// What differs from one dispatch to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Dispatch {
+    /// The tile on the device.
+    pub tile: Tile,
+    /// First row of the tile that the dispatch works on, and how many.
+    pub rows: [u32; 2],
+    /// First sample index of the run, and how many.
+    pub samples: [u32; 2],
+    /// Step budget.
+    pub budget: u32,
+    /// Whether it begins the run for these pixels.
+    pub begins_run: bool,
+}
+
+impl Dispatch {
+    /// Workgroups that cover the rows.
+    pub fn groups(&self) -> [u32; 3] {
+        [self.tile.width.div_ceil(WORKGROUP[0]), self.rows[1].div_ceil(WORKGROUP[1]), 1]
+    }
+}
+
+/// What the push constants hold for a whole render.
+#[derive(Clone, Copy, Debug)]
+pub struct Constants {
+    /// Triangles of the scene.
+    pub triangles: u32,
+    /// Lights of the scene.
+    pub lights: u32,
+    /// Surface scatterings a path may have.
+    pub max_bounces: u32,
+    /// Replicates of the film.
+    pub replicates: u32,
+    /// The seed, mixed so that neighbouring seeds share no stream.
+    pub seed: [u32; 2],
+    /// Survival probability of the fixed roulette.
+    pub roulette_p: f32,
+    /// Radiance of the environment.
+    pub sky: [f32; 3],
+}
+
+impl Constants {
+    /// The push-constant block of a dispatch, in the layout of `interface::PUSH_CONSTANTS`.
+    pub fn push(&self, dispatch: &Dispatch) -> [u8; PUSH_CONSTANT_BYTES as usize] {
+        let tile = dispatch.tile;
+        let words = [
+            tile.x,
+            tile.y,
+            tile.width,
+            tile.height,
+            dispatch.rows[0],
+            dispatch.rows[1],
+            dispatch.samples[0],
+            dispatch.samples[1],
+            dispatch.budget,
+            if dispatch.begins_run { DISPATCH_BEGINS_RUN } else { 0 },
+            self.triangles,
+            self.lights,
+            self.max_bounces,
+            self.replicates,
+            self.seed[0],
+            self.seed[1],
+            self.roulette_p.to_bits(),
+            self.sky[0].to_bits(),
+            self.sky[1].to_bits(),
+            self.sky[2].to_bits(),
+        ];
+        bytemuck::must_cast(words)
+    }
+}
+
+/// Probability of the fixed roulette, 1 for the others.
+pub fn roulette_value(roulette: Roulette) -> (u32, f32) {
+    match roulette {
+        Roulette::Off => (ROULETTE_OFF, 1.0),
+        Roulette::Throughput => (ROULETTE_THROUGHPUT, 1.0),
+        Roulette::Fixed(p) => (ROULETTE_FIXED, p),
+    }
+}
+
+fn accel_value(accel: AccelKind) -> u32 {
+    match accel {
+        AccelKind::Brute => ACCEL_BRUTE,
+        AccelKind::Binary => ACCEL_BINARY,
+        AccelKind::Wide => ACCEL_WIDE,
+    }
+}
+
+fn intersector_value(intersector: Intersector) -> u32 {
+    match intersector {
+        Intersector::Watertight => INTERSECTOR_WATERTIGHT,
+        Intersector::MollerTrumbore => INTERSECTOR_MOLLER_TRUMBORE,
+    }
+}
+
+fn sampler_value(sampler: Sampler) -> u32 {
+    match sampler {
+        Sampler::Sobol => SAMPLER_SOBOL,
+        Sampler::Independent => SAMPLER_INDEPENDENT,
+        Sampler::Table => SAMPLER_TABLE,
+    }
+}
+
+fn lights_value(lights: Lights) -> u32 {
+    match lights {
+        Lights::Mis => LIGHTS_MIS,
+        Lights::Area => LIGHTS_AREA,
+        Lights::Bsdf => LIGHTS_BSDF,
+    }
+}
+
+fn hemisphere_value(hemisphere: Hemisphere) -> u32 {
+    match hemisphere {
+        Hemisphere::Cosine => HEMISPHERE_COSINE,
+        Hemisphere::Uniform => HEMISPHERE_UNIFORM,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn push_constants_stand_at_their_offsets() {
+        let offsets: Vec<u32> = PUSH_CONSTANTS.iter().map(|&(_, offset)| offset).collect();
+        assert_eq!(offsets, (0..PUSH_CONSTANTS.len() as u32).map(|i| 4 * i).collect::<Vec<_>>());
+        assert_eq!(offsets.last().unwrap() + 4, PUSH_CONSTANT_BYTES);
+    }
+}

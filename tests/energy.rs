@@ -1,0 +1,189 @@
+//! Rung 5: scenes whose radiance is known.
+//!
+//! Exact cases state the rounding they allow. Statistical ones use the independent sampler and several seeds; z is judged at a
+//! family false-alarm rate of 1e-6 (harness/statistics.rs), the bias that would be seen nine times in ten stands beside it.
+
+mod harness;
+
+use harness::device::{estimate, plain_settings, render};
+use harness::scenes::{SceneBuilder, camera, glass, lambert, mirror};
+use harness::statistics::z_test;
+use harness::tracer::Estimate;
+use texray::render::Settings;
+use texray::scene::Scene;
+use texray::settings::{Hemisphere, LightPick, Lights, Roulette, Sampler};
+
+/// A closed cube of one emissive Lambert material, seen from inside.
+fn furnace(albedo: f32) -> Scene {
+    let mut builder = SceneBuilder::new();
+    let walls = builder.material(lambert(albedo, 1.0));
+    builder.cuboid([-1.0; 3], [1.0; 3], walls, true);
+    builder.finish(camera([0.1, 0.2, 0.3], [1.0, 0.0, 0.0], 70.0), None)
+}
+
+fn all_channels(estimate: &Estimate) -> impl Iterator<Item = f64> + '_ {
+    estimate.mean.iter().flatten().copied()
+}
+
+/// Mean over pixels and channels, and its variance; channels of grey scenes are equal, so they count once.
+fn overall(estimate: &Estimate) -> (f64, f64) {
+    let pixels = estimate.mean.len() as f64;
+    let mean = estimate.mean.iter().map(|pixel| pixel[0]).sum::<f64>() / pixels;
+    let variance = estimate.variance_of_mean.iter().map(|pixel| pixel[0]).sum::<f64>() / (pixels * pixels);
+    (mean, variance)
+}
+
+/// Every pixel within `tolerance` (relative) of `expected`.
+fn assert_every_pixel(scene: &Scene, settings: &Settings, expected: f64, tolerance: f64, what: &str) {
+    let scale = 2f64.powi(scene.scaling.radiance_exponent);
+    for (index, pixel) in render(scene, settings).film.mean().into_iter().enumerate() {
+        for value in pixel.map(|value| f64::from(value) * scale) {
+            let error = (value / expected - 1.0).abs();
+            assert!(error <= tolerance, "{what}: pixel {index} is {value}, not {expected} (relative error {error:e})");
+        }
+    }
+}
+
+/// The mean over the picture against `expected`: `tests` such verdicts share the false-alarm rate. The second term is the
+/// rounding floor along a path (hard-cases: 2e-5).
+fn assert_mean(scene: &Scene, settings: &Settings, seeds: u64, expected: f64, what: &str) {
+    let (mean, variance) = overall(&estimate(scene, settings, seeds));
+    let floor = 2e-5 * expected;
+    z_test(mean, variance + floor * floor, expected).assert(what, 1000);
+}
+
+/// Cosine sampling of Lambert has no variance in a furnace: each bounce multiplies by the albedo. 1/2 and 1 are exact in
+/// f32, what is left is the rounding of the division by the sample count.
+#[test]
+fn a_closed_furnace_is_exact_without_light_sampling() {
+    let scene = furnace(0.5);
+    let settings = Settings { lights: Lights::Bsdf, max_bounces: 8, ..plain_settings(&scene, 16, 16, 8) };
+    assert_every_pixel(&scene, &settings, 2.0 - 2f64.powi(-8), 2e-5, "furnace 1/2");
+    for max_bounces in [1, 2, 5] {
+        let settings = Settings { max_bounces, ..settings.clone() };
+        assert_every_pixel(&scene, &settings, 2.0 - 0.5f64.powi(max_bounces as i32), 2e-5, "capped furnace");
+    }
+}
+
+#[test]
+fn furnaces_of_every_estimator_agree() {
+    for (albedo, expected) in [(0.5f32, 2.0 - 0.5f64.powi(8)), (0.8, (1.0 - 0.8f64.powi(9)) / 0.2)] {
+        let scene = furnace(albedo);
+        let base = Settings { max_bounces: 8, ..plain_settings(&scene, 16, 16, 64) };
+        for lights in [Lights::Mis, Lights::Area, Lights::Bsdf] {
+            for hemisphere in [Hemisphere::Cosine, Hemisphere::Uniform] {
+                for roulette in [Roulette::Off, Roulette::Throughput, Roulette::Fixed(0.7)] {
+                    let settings = Settings { lights, hemisphere, roulette, ..base.clone() };
+                    let what = format!("furnace {albedo}, {lights:?} {hemisphere:?} {roulette:?}");
+                    assert_mean(&scene, &settings, 6, expected, &what);
+                }
+            }
+        }
+        for light_pick in [LightPick::Power, LightPick::Area] {
+            let settings = Settings { light_pick, ..base.clone() };
+            assert_mean(&scene, &settings, 6, expected, &format!("furnace {albedo}, {light_pick:?}"));
+        }
+        for sampler in [Sampler::Sobol, Sampler::Table] {
+            let settings = Settings { sampler, roulette: Roulette::Throughput, ..base.clone() };
+            assert_mean(&scene, &settings, 8, expected, &format!("furnace {albedo}, {sampler:?}"));
+        }
+    }
+}
+
+/// A convex white body under a white sky: one bounce, weight exactly 1.
+#[test]
+fn a_white_body_vanishes_in_a_white_furnace() {
+    let mut builder = SceneBuilder::new();
+    let white = builder.material(lambert(1.0, 0.0));
+    builder.cuboid([-1.0; 3], [1.0; 3], white, false);
+    let scene = builder.finish(camera([3.0, 2.0, -4.0], [0.0; 3], 40.0), Some([1.0; 3]));
+    assert_every_pixel(&scene, &plain_settings(&scene, 24, 24, 4), 1.0, 2e-5, "white cube");
+}
+
+#[test]
+fn a_mirror_box_sums_its_geometric_series() {
+    let mut builder = SceneBuilder::new();
+    let walls = builder.material(lambert(0.0, 1.0));
+    let mirrors = builder.material(mirror(0.9, 0.0));
+    // Five mirrors and one black emitter would need solid angles; six emissive mirrors are not a material, so: mirrors all
+    // around an emissive black cube is left to the f64 tracer, and here two facing mirrors in a white sky are the series.
+    builder.cuboid([-0.1; 3], [0.1; 3], walls, false);
+    builder.quad([-5.0, -5.0, 1.0], [0.0, 10.0, 0.0], [10.0, 0.0, 0.0], mirrors);
+    let scene = builder.finish(camera([0.0, 0.0, -0.5], [0.0, 0.0, 1.0], 5.0), Some([1.0; 3]));
+    // The camera looks through the cube's back? No: the cube is black and emits 1 everywhere, the sky is 1, the mirror .9.
+    let settings = Settings { max_bounces: 3, ..plain_settings(&scene, 8, 8, 4) };
+    assert_every_pixel(&scene, &settings, 1.0, 2e-5, "emissive cube in front of a mirror");
+}
+
+/// Radiance over squared index is what stays constant along a ray: a glass body in a white furnace is invisible from outside
+/// and shows n^2 from inside. Paths that the bounce cap cuts are lost: 64 bounces leave less than 1e-6.
+#[test]
+fn glass_in_a_furnace_shows_one_outside_and_n_squared_inside() {
+    for (origin, target, expected) in [([0.0, 0.0, -4.0], [0.0; 3], 1.0), ([0.1, 0.05, 0.0], [1.0, 0.3, 0.2], 2.25)] {
+        let mut builder = SceneBuilder::new();
+        let body = builder.material(glass(1.5));
+        builder.sphere([0.0; 3], 1.0, 4, body, false);
+        let scene = builder.finish(camera(origin, target, 20.0), Some([1.0; 3]));
+        let settings = Settings { max_bounces: 64, ..plain_settings(&scene, 16, 16, 16) };
+        assert_every_pixel(&scene, &settings, expected, 1e-4, "glass sphere in a furnace");
+    }
+}
+
+/// T = (1 - R) / (1 + R) for a slab of glass, black above, 1 below (hard-cases, case 52).
+#[test]
+fn a_glass_slab_transmits_what_fresnel_says() {
+    for (degrees, transmitted) in [(0.0f64, 0.9230769), (45.0, 0.9043268), (60.0, 0.8362325), (85.0, 0.2400796)] {
+        let mut builder = SceneBuilder::new();
+        let (slab, light) = (builder.material(glass(1.5)), builder.material(lambert(0.0, 1.0)));
+        builder.cuboid([-400.0, -0.5, -400.0], [400.0, 0.5, 400.0], slab, false);
+        builder.quad([-400.0, -1.0, -400.0], [0.0, 0.0, 800.0], [800.0, 0.0, 0.0], light);
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let origin = [-3.0 * sin, 0.5 + 3.0 * cos, 0.01];
+        let scene = builder.finish(camera(origin, [0.0, 0.5, 0.01], 1e-3), None);
+        let settings = Settings { max_bounces: 32, ..plain_settings(&scene, 16, 16, 64) };
+        assert_mean(&scene, &settings, 8, transmitted, &format!("slab at {degrees} degrees"));
+    }
+}
+
+/// Irradiance under a square light, by the form factor (hard-cases, case 41): L = albedo * F * Le.
+#[test]
+fn form_factors_are_lamberts() {
+    for (corner, factor) in [([-0.5, 1.0, -0.5], 0.2394564705), ([0.0, 1.0, 0.0], 0.1385316060)] {
+        let mut builder = SceneBuilder::new();
+        let (floor, light) = (builder.material(lambert(0.5, 0.0)), builder.material(lambert(0.0, 1.0)));
+        builder.quad([-2.0, 0.0, -2.0], [0.0, 0.0, 4.0], [4.0, 0.0, 0.0], floor);
+        builder.quad(corner, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], light);
+        let scene = builder.finish(camera([0.0, 0.9, -3.0], [0.0; 3], 1e-3), None);
+        for lights in [Lights::Mis, Lights::Area] {
+            let settings = Settings { lights, max_bounces: 1, ..plain_settings(&scene, 16, 16, 64) };
+            assert_mean(&scene, &settings, 8, 0.5 * factor, &format!("form factor {factor}, {lights:?}"));
+        }
+    }
+}
+
+/// Radiance is scaled by a power of two before it reaches f32: neither 1e-30 nor 1e30 is near the edge of anything.
+#[test]
+fn emission_of_any_size_is_exact() {
+    for exponent in [-100, 0, 100] {
+        let mut scene = furnace(0.5);
+        scene.scaling.radiance_exponent = -exponent;
+        let settings = Settings { lights: Lights::Bsdf, max_bounces: 8, ..plain_settings(&scene, 8, 8, 4) };
+        let rendered = render(&scene, &settings);
+        for value in rendered.film.mean().into_iter().flatten() {
+            let unit = f64::from(value) * 2f64.powi(-exponent);
+            assert!((unit / (2.0 - 2f64.powi(-8)) - 1.0).abs() < 1e-5, "2^{exponent}: {unit}");
+        }
+        assert!(rendered.report.invalid_samples.values().all(|&count| count == 0));
+    }
+}
+
+/// Nothing a scene can hold makes a black furnace shine or a sky alone fail.
+#[test]
+fn degenerate_scenes_render() {
+    let black = furnace(0.0);
+    let settings = plain_settings(&black, 8, 8, 4);
+    assert_every_pixel(&black, &Settings { lights: Lights::Bsdf, ..settings.clone() }, 1.0, 0.0, "black furnace");
+    let sky = SceneBuilder::new().finish(camera([0.0; 3], [0.0, 0.0, 1.0], 40.0), Some([1.0, 1.0, 1.0]));
+    assert_every_pixel(&sky, &plain_settings(&sky, 8, 8, 4), 1.0, 0.0, "sky alone");
+    let _ = all_channels;
+}

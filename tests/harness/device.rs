@@ -1,0 +1,124 @@
+//! One device a test program, under validation with synchronisation validation, and renders on it.
+//!
+//! Comes in: scenes and settings. Goes out: finished renders; any validation message fails the test that finds it. A missing
+//! driver or layer fails too, in the words of the library's own error, which says what to install.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use texray::gpu::{Context, ContextOptions};
+use texray::render::{Observer, Progress, Rendered, Renderer, Tuning};
+use texray::scene::Scene;
+use texray::settings::{Lights, Roulette, Sampler, Settings};
+
+use super::tracer::Estimate;
+
+/// The device of this test program.
+pub fn context() -> &'static Context {
+    static CONTEXT: OnceLock<Context> = OnceLock::new();
+    CONTEXT.get_or_init(|| {
+        Context::new(&ContextOptions { validation: true, ..ContextOptions::default() })
+            .unwrap_or_else(|error| panic!("the tests need a device and the validation layer: {error}"))
+    })
+}
+
+/// Fails on any validation message so far.
+pub fn assert_valid(context: &Context) {
+    let report = context.validation();
+    assert!(report.is_clean(), "validation messages: {report:#?}");
+}
+
+/// Watches nothing and never stops a render.
+pub struct Silent;
+
+impl Observer for Silent {
+    fn progress(&mut self, _progress: &Progress) {}
+
+    fn stop_requested(&self) -> bool {
+        false
+    }
+}
+
+/// Renders with sizes of the library's own choice.
+pub fn render(scene: &Scene, settings: &Settings) -> Rendered {
+    render_tuned(scene, settings, &Tuning::default())
+}
+
+/// Renders with pinned sizes.
+pub fn render_tuned(scene: &Scene, settings: &Settings, tuning: &Tuning) -> Rendered {
+    let renderer = Renderer::new(context(), scene, settings, tuning).expect("the scene can be rendered");
+    let rendered = renderer.render(&mut Silent).expect("the render ends");
+    assert_valid(context());
+    rendered
+}
+
+/// Settings of a scene at a size and sample count, by box filter, independent samples, without roulette.
+pub fn plain_settings(scene: &Scene, width: u32, height: u32, spp: u32) -> Settings {
+    Settings {
+        width,
+        height,
+        spp,
+        filter: texray::scene::Filter::Box,
+        sampler: Sampler::Independent,
+        roulette: Roulette::Off,
+        lights: Lights::Mis,
+        ..Settings::for_scene(scene)
+    }
+}
+
+/// The picture's bits, for tests of equality.
+pub fn bits(rendered: &Rendered) -> Vec<[u32; 3]> {
+    rendered.film.mean().into_iter().map(|pixel| pixel.map(f32::to_bits)).collect()
+}
+
+/// Fails where two pictures differ in a bit, saying where first and in how many pixels.
+pub fn assert_same(a: &[[u32; 3]], b: &[[u32; 3]], what: &str) {
+    assert_eq!(a.len(), b.len(), "{what}: sizes differ");
+    let differing = a.iter().zip(b).filter(|(a, b)| a != b).count();
+    if let Some(first) = a.iter().zip(b).position(|(a, b)| a != b) {
+        let floats = |pixel: [u32; 3]| pixel.map(f32::from_bits);
+        let (a, b) = (floats(a[first]), floats(b[first]));
+        panic!("{what}: {differing} pixels differ, the first is {first}: {a:?} against {b:?}");
+    }
+}
+
+/// Mean and variance of the mean in scaled radiance, from renders with `seeds` different seeds: statistically independent
+/// whatever the sampler.
+pub fn estimate(scene: &Scene, settings: &Settings, seeds: u64) -> Estimate {
+    let scale = 2f64.powi(scene.scaling.radiance_exponent);
+    let pictures: Vec<Vec<[f32; 3]>> = (0..seeds)
+        .map(|seed| render(scene, &Settings { seed: settings.seed + seed, ..settings.clone() }).film.mean())
+        .collect();
+    let count = seeds as f64;
+    let channel = |pixel: usize, channel: usize| {
+        let values = pictures.iter().map(|picture| f64::from(picture[pixel][channel]) * scale);
+        let mean = values.clone().sum::<f64>() / count;
+        let squares: f64 = values.map(|value| (value - mean).powi(2)).sum();
+        (mean, squares / (count - 1.0) / count)
+    };
+    let pixels = pictures[0].len();
+    let both: Vec<[(f64, f64); 3]> = (0..pixels).map(|pixel| std::array::from_fn(|c| channel(pixel, c))).collect();
+    Estimate {
+        mean: both.iter().map(|pixel| pixel.map(|(mean, _)| mean)).collect(),
+        variance_of_mean: both.iter().map(|pixel| pixel.map(|(_, variance)| variance)).collect(),
+    }
+}
+
+/// Every scene of the repository.
+pub fn scene_files() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .expect("scenes/ is there")
+        .map(|entry| entry.expect("scenes/ can be read").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .collect();
+    files.sort();
+    assert!(!files.is_empty(), "scenes/ holds no scene");
+    files
+}
+
+/// A scene of the repository by name.
+pub fn load(name: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(format!("{name}.toml"));
+    Scene::load(&path).unwrap_or_else(|error| panic!("{error}"))
+}

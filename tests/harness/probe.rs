@@ -1,0 +1,125 @@
+//! Runs a probe kernel (`glsl/probe_*.comp`) over the records of a scene and gives back what it wrote.
+
+use texray::bvh::Accel;
+use texray::gpu::{
+    Barrier, BindGroup, BindingKind, BindingSlot, Buffer, BufferUse, ComputePipeline, Ledger, Memory, PipelineDesc,
+    Readback, Recorder, Resource, TexelBuffer, Uploader,
+};
+use texray::interface::*;
+use texray::render::kernel::{self, Constants, Dispatch};
+use texray::render::tiles::Tile;
+use texray::render::upload::GpuScene;
+use texray::settings::Buffers;
+use texray::texels::{Texel, TexelData};
+
+use super::device::{assert_valid, context};
+
+/// A probe: which kernel, on what, with what answers.
+pub struct Probe<'a> {
+    /// The kernel's SPIR-V.
+    pub spirv: &'a [u32],
+    /// Records to bind.
+    pub data: &'a TexelData,
+    /// The tree that the records hold.
+    pub accel: &'a Accel,
+    /// How the records are bound.
+    pub buffers: Buffers,
+    /// Specialisation constants beside those of tree and buffers.
+    pub specialization: Vec<(u32, u32)>,
+    /// `push.flags`.
+    pub function: u32,
+    /// Invocations.
+    pub calls: u32,
+    /// Texels of input.
+    pub input: &'a [Texel],
+    /// Texels of output of a call.
+    pub output_texels: u32,
+}
+
+/// The probes' workgroup.
+const WORKGROUP: u32 = 64;
+
+impl Probe<'_> {
+    /// Runs it.
+    pub fn run(&self) -> Vec<Texel> {
+        self.try_run().expect("the probe runs")
+    }
+
+    fn try_run(&self) -> texray::Result<Vec<Texel>> {
+        let context = context();
+        let mut ledger = Ledger::default();
+        let scene = GpuScene::upload(context, self.data, self.buffers, &mut ledger)?;
+        let accel_value = match self.accel {
+            Accel::Brute => ACCEL_BRUTE,
+            Accel::Binary(_) => ACCEL_BINARY,
+            Accel::Wide(_) => ACCEL_WIDE,
+        };
+        let mut specialization = vec![
+            (SPEC_STORAGE_RECORDS, u32::from(self.buffers == Buffers::Storage)),
+            (SPEC_ACCEL, accel_value),
+            (SPEC_STACK_ENTRIES, self.accel.stack_entries()),
+        ];
+        specialization.extend_from_slice(&self.specialization);
+        let mut bindings = kernel::bindings();
+        bindings.push(BindingSlot { number: BINDING_PROBE_INPUT, kind: BindingKind::Texel });
+        bindings.push(BindingSlot { number: BINDING_PROBE_OUTPUT, kind: BindingKind::Storage });
+        let pipeline = ComputePipeline::new(
+            context,
+            &PipelineDesc {
+                name: "probe",
+                spirv: self.spirv,
+                bindings: &bindings,
+                push_constant_bytes: PUSH_CONSTANT_BYTES,
+                specialization: &specialization,
+            },
+        )?;
+        let bytes = 16 * u64::from(self.calls) * u64::from(self.output_texels);
+        let storage = |name: &str, bytes| {
+            Buffer::new(context, name, bytes, BufferUse { storage: true, texel: false }, Memory::Device)
+        };
+        let (output, scratch) = (storage("probe output", bytes)?, storage("scratch", 256)?);
+        let input = TexelBuffer::new(context, "probe input", 16 * self.input.len().max(1) as u64)?;
+        let mut uploader = Uploader::new(context)?;
+        if !self.input.is_empty() {
+            let input_bytes = bytemuck::cast_slice(self.input);
+            uploader.upload(&mut ledger, input.buffer(), 0, input_bytes, "questions")?;
+        }
+        uploader.finish()?;
+        let mut resources = scene.resources().to_vec();
+        resources.extend(
+            [BINDING_PATHS, BINDING_SUMS, BINDING_COUNTERS].map(|number| (number, Resource::Storage(scratch.clone()))),
+        );
+        resources.push((BINDING_PROBE_INPUT, Resource::Texel(input)));
+        resources.push((BINDING_PROBE_OUTPUT, Resource::Storage(output.clone())));
+        let group = BindGroup::new(&pipeline, &resources)?;
+
+        let constants = Constants {
+            triangles: self.data.triangle_count,
+            lights: self.data.light_count,
+            max_bounces: 8,
+            replicates: 4,
+            seed: [0x1234_5678, 0x9abc_def0],
+            roulette_p: 1.0,
+            sky: [0.0; 3],
+        };
+        let mut push = constants.push(&Dispatch {
+            tile: Tile { x: 0, y: 0, width: 1, height: 1 },
+            rows: [0, 1],
+            samples: [0, self.calls],
+            budget: MAX_STEP_BUDGET,
+            begins_run: false,
+        });
+        let flags = PUSH_CONSTANTS.iter().find(|(name, _)| *name == "PUSH_FLAGS").expect("the flags have a place").1;
+        push[flags as usize..][..4].copy_from_slice(&self.function.to_ne_bytes());
+
+        let mut recorder = Recorder::new(context, "probe")?;
+        recorder.fill(&scratch, 0, 256, 0)?;
+        recorder.barrier(Barrier::TransferToCompute)?;
+        recorder.dispatch(&pipeline, &group, &push, [self.calls.div_ceil(WORKGROUP), 1, 1])?;
+        let mut readback = Readback::new(context, "answers", bytes)?;
+        readback.copy_from(&mut recorder, &mut ledger, &output, 0, 0, bytes, "answers")?;
+        recorder.submit()?.wait()?;
+        assert_valid(context);
+        Ok(bytemuck::pod_collect_to_vec(&readback.bytes()?[..bytes as usize]))
+    }
+}
