@@ -54,7 +54,8 @@ layout(push_constant) uniform Push {
     layout(offset = PUSH_TRIANGLES) uint triangle_count;
     layout(offset = PUSH_LIGHTS) uint light_count;
     layout(offset = PUSH_MAX_BOUNCES) uint max_bounces;      // Surface scatterings a path may have.
-    layout(offset = PUSH_REPLICATES) uint replicates;        // Independently scrambled sets of samples.
+    layout(offset = PUSH_REPLICATE) uint replicate;          // Which independently scrambled set of samples the run is of,
+    layout(offset = PUSH_FIRST_INDEX) uint first_index;      // and where in it the run's first sample stands.
     layout(offset = PUSH_SEED_LOW) uint seed_low;            // The seed, mixed by the host.
     layout(offset = PUSH_SEED_HIGH) uint seed_high;
     layout(offset = PUSH_ROULETTE_P) float roulette_p;       // Survival probability of the fixed roulette.

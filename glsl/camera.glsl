@@ -4,7 +4,6 @@
 
 #include "effects.glsl"
 #include "records/camera.glsl"
-#include "sampling/random.glsl"
 
 // Offset from the pixel's centre at probability `u`, by linear interpolation of the filter's inverse distribution.
 float filter_offset(float u) {
@@ -16,18 +15,15 @@ float filter_offset(float u) {
     return offset;
 }
 
-// Ray through `pixel` of the picture: origin, and direction of any length.
-void camera_ray(uvec2 pixel, RandomState random, out vec3 o, out vec3 d) {
-    Camera camera = fetch_camera();
-    vec2 u = unit_float2(random_set(random, SET_CAMERA).xy);
+// Direction, of any length, of a ray through `pixel` of the picture at the place `u` of the unit square in its filter.
+vec3 camera_direction(Camera camera, uvec2 pixel, vec2 u) {
     vec2 offset = u - 0.5;
     if (HAS_PIXEL_FILTER != 0u && camera.filter_kind == FILTER_TABLE) {
         offset = vec2(filter_offset(u.x), filter_offset(u.y));
     }
     precise vec2 film = (vec2(pixel) + 0.5 - 0.5 * camera.size) + offset;
     precise vec3 direction = camera.forward + film.x * camera.right + film.y * camera.down;
-    o = camera.origin;
-    d = direction;
+    return direction;
 }
 
 #endif

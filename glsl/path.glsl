@@ -3,6 +3,9 @@
 // L(camera ray) = emission at its first hit + sum over bounces of (light sample + emission that the BSDF sample meets), each
 // pair combined by multiple importance sampling (Veach 1997). A path makes at most push.max_bounces scatterings; the
 // estimate is unbiased for that number. Cost per bounce: one extension ray, at most one shadow ray.
+//
+// `advance` is written so that each part stands once: a device that runs its lanes in step (lavapipe above all) pays for
+// every branch, taken or not, so a second copy of any of them would cost as much as the first.
 #ifndef PATH_GLSL
 #define PATH_GLSL
 
@@ -19,91 +22,29 @@
 // shadow each other where two of them meet in one plane.
 const float SHADOW_LIMIT = 0.999969482421875; // 1 - 2^-15
 
-// Iterations that shading may spend in loops: the search for a light among at most 2^32.
+// Iterations that shading may spend in loops: the search for a light among at most 2^31.
 const uint SHADING_STEPS = 34u;
+
+// Steps set aside for the loops that load and save the stack, should a driver not unroll them: all lanes of a vector run
+// them together, 2 x 64 iterations for 8 lanes.
+const uint RESERVED_STEPS = 16u;
 
 // Counts of one invocation, added to the counters when it ends.
 struct Tally {
     uint steps, rays, paths, nodes, triangles;
+    uint nan, infinite, negative; // Samples left out, by cause.
 };
 
-RandomState random_state(uvec2 pixel, uint sample_index) {
-    uint block = sample_index / BLOCK_SAMPLES;
-    RandomState state;
-    state.pixel = pixel.x | (pixel.y << 16);
-    state.replicate = block % push.replicates;
-    state.index = (block / push.replicates) * BLOCK_SAMPLES + sample_index % BLOCK_SAMPLES;
-    state.sample_index = sample_index;
-    return state;
-}
+// The ray that goes on from a surface, and the one that looks for its light sample.
+struct Departure {
+    vec3 o;              // Origin of both.
+    uint triangle;       // The triangle that they leave, in leaf order.
+    vec3 shadow_d;       // Direction of the shadow ray; it ends at t = 1.
+    uint shadow_triangle; // The light's triangle, in leaf order.
+    bool casts;          // Whether there is a shadow ray.
+};
 
-void begin_extension(inout Path path, vec3 o, vec3 d, uint skip, inout Tally tally) {
-    path.phase = PHASE_EXTENSION;
-    path.o = o;
-    path.d = d;
-    path.skip = skip;
-    path.skip_too = NO_INDEX;
-    path.traversal = begin_traversal(no_hit(), o, d);
-    tally.rays++;
-}
-
-void begin_shadow(inout Path path, vec3 o, LightSample light, uint skip, inout Tally tally) {
-    path.phase = PHASE_SHADOW;
-    path.o = o;
-    path.d = light.d;
-    path.skip = skip;
-    path.skip_too = light.triangle;
-    path.traversal = begin_traversal(no_hit_below(SHADOW_LIMIT), o, light.d);
-    tally.rays++;
-}
-
-// Starts the next sample of the run.
-void begin_sample(inout Path path, uvec2 pixel, inout Tally tally) {
-    path.bounce = 0u;
-    path.specular = true;
-    path.extends = false;
-    path.wi = vec3(0.0);
-    path.pending = vec3(0.0);
-    path.throughput = vec3(1.0);
-    path.radiance = vec3(0.0);
-    path.pdf = 0.0;
-    path.eta_scale = 1.0;
-    vec3 o, d;
-    camera_ray(pixel, random_state(pixel, push.first_sample + path.samples_done), o, d);
-    begin_extension(path, o, d, NO_INDEX, tally);
-}
-
-// Bits of the magnitude decide: a comparison of floats may be folded away by a driver that assumes there is no NaN.
-bool is_counted(vec3 radiance) {
-    uvec3 magnitude = floatBitsToUint(radiance) & 0x7fffffffu;
-    uint largest = max(max(magnitude.x, magnitude.y), magnitude.z);
-    if (largest > 0x7f800000u) {
-        atomicAdd(counters[COUNTER_INVALID_NAN], 1u);
-        return false;
-    }
-    if (largest > MAX_SAMPLE_RADIANCE_BITS) {
-        atomicAdd(counters[COUNTER_INVALID_INFINITE], 1u);
-        return false;
-    }
-    if (any(greaterThan(floatBitsToUint(radiance), uvec3(0x80000000u)))) {
-        atomicAdd(counters[COUNTER_INVALID_NEGATIVE], 1u);
-        return false;
-    }
-    return true;
-}
-
-// Ends the sample: its radiance goes to the block's sum, if it is a number; otherwise it is left out and counted.
-void end_sample(inout Path path, inout uvec4 open_sum, inout Tally tally) {
-    if (is_counted(path.radiance)) {
-        precise vec3 sum = uintBitsToFloat(open_sum.rgb) + path.radiance;
-        open_sum = uvec4(floatBitsToUint(sum), open_sum.a + 1u);
-    }
-    tally.paths++;
-    path.samples_done++;
-    path.phase = PHASE_CAMERA;
-}
-
-// Weight of emission that the extension ray meets.
+// Weight of emission that the extension ray meets under the cosine `cosine`.
 float emission_weight(Path path, Interaction it, float cosine) {
     if (path.specular || LIGHTS == LIGHTS_BSDF) {
         return 1.0;
@@ -113,67 +54,69 @@ float emission_weight(Path path, Interaction it, float cosine) {
     }
     precise vec3 between = it.p - path.o;
     precise float distance2 = between.x * between.x + between.y * between.y + between.z * between.z;
-    return power_heuristic(path.pdf, light_pdf(fetch_light(it.light).pdf_area, distance2, cosine));
+    return power_heuristic(path.pdf, light_pdf(it.pdf_area, distance2, cosine));
 }
 
 // Russian roulette on the path's next ray: true where it survives, its throughput raised accordingly. The throughput is
 // judged without the scaling that refraction brings (it is undone when the path leaves the glass).
 bool survives(inout Path path, uint word) {
-    float q;
+    float q = 1.0;
     if (ROULETTE == ROULETTE_THROUGHPUT) {
-        if (path.bounce < ROULETTE_FIRST_BOUNCE) {
-            return true;
-        }
         precise float largest = max(max(path.throughput.r, path.throughput.g), path.throughput.b) * path.eta_scale;
-        q = clamp(largest, 0.05, 0.95);
+        q = path.bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : clamp(largest, 0.05, 0.95);
     } else if (ROULETTE == ROULETTE_FIXED) {
         q = push.roulette_p;
     } else {
         return true;
     }
-    if (unit_float(word) >= q) {
-        return false;
-    }
     precise vec3 raised = path.throughput / q;
     path.throughput = raised;
-    return true;
+    return unit_float(word) < q;
 }
 
 // A finished extension ray: emission, light sample, next direction.
-void shade(inout Path path, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
+Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
+    Departure departure = Departure(vec3(0.0), NO_INDEX, vec3(0.0), NO_INDEX, false);
+    path.extends = false;
     Hit hit = path.traversal.best;
     if (hit.triangle == NO_INDEX) {
         if (HAS_SKY != 0u) {
             precise vec3 sum = path.radiance + path.throughput * vec3(push.sky_r, push.sky_g, push.sky_b);
             path.radiance = sum;
         }
-        end_sample(path, open_sum, tally);
-        return;
+        return departure;
     }
     vec3 wo = normalize(-path.d);
     Interaction it = make_interaction(hit, wo);
-    if (HAS_EMITTERS != 0u && it.light != NO_INDEX && it.front) {
+    if (HAS_EMITTERS != 0u && it.pdf_area > 0.0 && it.front) {
         float weight = emission_weight(path, it, dot(it.ng, wo));
         precise vec3 sum = path.radiance + path.throughput * (it.material.emission * weight);
         path.radiance = sum;
     }
     if (path.bounce >= push.max_bounces) {
-        end_sample(path, open_sum, tally);
-        return;
+        return departure;
     }
-    RandomState random = random_state(pixel, push.first_sample + path.samples_done);
-    uvec4 directions = random_set(random, SET_DIRECTIONS + 2u * path.bounce);
-    uvec4 choices = random_set(random, SET_CHOICES + 2u * path.bounce);
     path.bounce++;
+    uvec2 direction = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_DIRECTION));
+    uvec2 choices = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_CHOICES));
+    uint lobe = 0u;
+    if (HAS_GLASS != 0u) {
+        lobe = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_LOBE)).x;
+    }
 
-    BsdfSample sampled = sample_bsdf(it, wo, directions, choices);
-    vec3 o = spawn_origin(it, sampled.transmitted ? -it.ng : it.ng);
+    BsdfSample sampled = sample_bsdf(it, wo, direction, lobe);
+    departure.o = spawn_origin(it, sampled.transmitted ? -it.ng : it.ng);
+    departure.triangle = hit.triangle;
     bool lambert = it.material.kind == MATERIAL_LAMBERT;
-    LightSample light = LightSample(vec3(0.0), vec3(0.0), NO_INDEX);
     if (HAS_EMITTERS != 0u && LIGHTS != LIGHTS_BSDF && lambert && push.light_count > 0u) {
-        light = sample_light(it, o, directions, choices, tally.steps);
-        precise vec3 pending = path.throughput * light.radiance;
+        uvec2 point = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_LIGHT_POINT));
+        Light light = fetch_light(pick_light(choices.x, tally.steps));
+        LightSample arriving = sample_light(it, departure.o, light, unit_float2(point));
+        precise vec3 pending = path.throughput * arriving.radiance;
         path.pending = pending;
+        departure.casts = pending.r > 0.0 || pending.g > 0.0 || pending.b > 0.0;
+        departure.shadow_d = arriving.d;
+        departure.shadow_triangle = arriving.triangle;
     }
     precise vec3 throughput = path.throughput * sampled.weight;
     path.throughput = throughput;
@@ -182,28 +125,78 @@ void shade(inout Path path, uvec2 pixel, inout uvec4 open_sum, inout Tally tally
     path.specular = !lambert;
     path.wi = sampled.wi;
     bool carries = throughput.r > 0.0 || throughput.g > 0.0 || throughput.b > 0.0;
-    path.extends = carries && survives(path, choices.z);
-
-    if (light.radiance.r > 0.0 || light.radiance.g > 0.0 || light.radiance.b > 0.0) {
-        begin_shadow(path, o, light, hit.triangle, tally);
-    } else if (path.extends) {
-        begin_extension(path, o, path.wi, hit.triangle, tally);
-    } else {
-        end_sample(path, open_sum, tally);
-    }
+    path.extends = survives(path, choices.y) && carries;
+    return departure;
 }
 
-// A finished shadow ray: its light arrives if nothing blocked it; the waiting extension ray starts from the same place.
-void finish_shadow(inout Path path, inout uvec4 open_sum, inout Tally tally) {
-    if (path.traversal.best.triangle == NO_INDEX) {
+// Adds the sample's radiance to the block's sum, if it is a number; otherwise it is left out and counted. Bits of the
+// magnitude decide: a comparison of floats may be folded away by a driver that assumes there is no NaN.
+void end_sample(inout Path path, inout uvec4 open_sum, inout Tally tally) {
+    uvec3 words = floatBitsToUint(path.radiance);
+    uvec3 magnitude = words & 0x7fffffffu;
+    uint largest = max(max(magnitude.x, magnitude.y), magnitude.z);
+    bool nan = largest > 0x7f800000u;
+    bool infinite = !nan && largest > MAX_SAMPLE_RADIANCE_BITS;
+    bool negative = !nan && !infinite && max(max(words.x, words.y), words.z) > 0x80000000u;
+    tally.nan += nan ? 1u : 0u;
+    tally.infinite += infinite ? 1u : 0u;
+    tally.negative += negative ? 1u : 0u;
+    if (!nan && !infinite && !negative) {
+        precise vec3 sum = uintBitsToFloat(open_sum.rgb) + path.radiance;
+        open_sum = uvec4(floatBitsToUint(sum), open_sum.a + 1u);
+    }
+    tally.paths++;
+    path.samples_done++;
+}
+
+// Takes the path from a finished ray (or from nothing) to its next one, or to the end of the run.
+void advance(inout Path path, Camera camera, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
+    uint pixel_key = pixel.x | (pixel.y << 16);
+    Departure departure = Departure(path.o, path.skip, vec3(0.0), NO_INDEX, false);
+    if (path.phase == PHASE_SHADOW && path.traversal.best.triangle == NO_INDEX) {
         precise vec3 sum = path.radiance + path.pending;
         path.radiance = sum;
     }
-    if (path.extends) {
-        begin_extension(path, path.o, path.wi, path.skip, tally);
-    } else {
-        end_sample(path, open_sum, tally);
+    if (path.phase == PHASE_EXTENSION) {
+        departure = shade(path, pixel_key, tally);
     }
+
+    vec3 d = path.wi;
+    uint next = PHASE_EXTENSION;
+    if (departure.casts) {
+        next = PHASE_SHADOW;
+        d = departure.shadow_d;
+    } else if (!path.extends) {
+        if (path.phase != PHASE_CAMERA) {
+            end_sample(path, open_sum, tally);
+        }
+        if (path.samples_done == push.samples) {
+            path.phase = PHASE_FINISHED;
+            return;
+        }
+        uvec2 u = random_pair(pixel_key, path.samples_done, pair_number(0u, PAIR_FILM));
+        d = camera_direction(camera, pixel, unit_float2(u));
+        departure = Departure(camera.origin, NO_INDEX, vec3(0.0), NO_INDEX, false);
+        path.bounce = 0u;
+        path.specular = true;
+        path.throughput = vec3(1.0);
+        path.radiance = vec3(0.0);
+        path.pdf = 0.0;
+        path.eta_scale = 1.0;
+    }
+    path.phase = next;
+    path.o = departure.o;
+    path.d = d;
+    path.skip = departure.triangle;
+    path.skip_too = departure.shadow_triangle;
+    Hit none = no_hit();
+    if (next == PHASE_SHADOW) {
+        none = no_hit_below(SHADOW_LIMIT);
+    } else {
+        path.skip_too = NO_INDEX;
+    }
+    path.traversal = begin_traversal(none, path.o, path.d);
+    tally.rays++;
 }
 
 #endif

@@ -89,8 +89,11 @@ void store_path(Path path, uint pixel) {
     store_uvec2(30u, pixel, traversal.nodes);
     store_uvec2(32u, pixel, traversal.triangles);
     path_words[state_word(34u, pixel)] = traversal.stack_size;
-    for (uint i = 0u; i < traversal.stack_size; i++) {
-        store_uvec2(PATH_WORDS + i * STACK_ENTRY_WORDS, pixel, stack[i]);
+    // Constant bounds keep the stack in registers (traversal.glsl).
+    for (uint i = 0u; i < STACK_ENTRIES; i++) {
+        if (i < traversal.stack_size) {
+            store_uvec2(PATH_WORDS + i * STACK_ENTRY_WORDS, pixel, stack[i]);
+        }
     }
 }
 
@@ -122,8 +125,10 @@ Path load_path(uint pixel) {
     traversal.triangles = load_uvec2(32u, pixel);
     traversal.stack_size = path_words[state_word(34u, pixel)];
     traversal.searching = (flags & 16u) != 0u;
-    for (uint i = 0u; i < traversal.stack_size; i++) {
-        stack[i] = load_uvec2(PATH_WORDS + i * STACK_ENTRY_WORDS, pixel);
+    for (uint i = 0u; i < STACK_ENTRIES; i++) {
+        if (i < traversal.stack_size) {
+            stack[i] = load_uvec2(PATH_WORDS + i * STACK_ENTRY_WORDS, pixel);
+        }
     }
     path.traversal = traversal;
     return path;

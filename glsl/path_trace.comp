@@ -49,22 +49,15 @@ void trace(inout Path path, inout Tally tally) {
     }
 }
 
-void run_path(inout Path path, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
+// Rays and what comes between them, until the pixel's samples are done or the budget is.
+void run_path(inout Path path, Camera camera, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
     while (tally.steps + SHADING_STEPS < push.budget) {
         tally.steps++;
         if (!path.traversal.searching) {
-            if (path.phase == PHASE_EXTENSION) {
-                shade(path, pixel, open_sum, tally);
-            } else if (path.phase == PHASE_SHADOW) {
-                finish_shadow(path, open_sum, tally);
-            }
-            if (path.phase == PHASE_CAMERA) {
-                if (path.samples_done == push.samples) {
-                    path.phase = PHASE_FINISHED;
-                    break;
-                }
-                begin_sample(path, pixel, tally);
-            }
+            advance(path, camera, pixel, open_sum, tally);
+        }
+        if (path.phase == PHASE_FINISHED) {
+            break;
         }
         trace(path, tally);
     }
@@ -82,6 +75,7 @@ void main() {
     uvec4 open_sum;
     if ((push.flags & DISPATCH_BEGINS_RUN) != 0u) {
         path.phase = PHASE_CAMERA;
+        path.extends = false;
         path.samples_done = 0u;
         path.traversal = begin_traversal(no_hit(), vec3(0.0), vec3(0.0)); // nothing to search yet
         open_sum = push.first_sample % BLOCK_SAMPLES == 0u ? uvec4(0u) : open_sums[tile_pixel];
@@ -93,8 +87,8 @@ void main() {
         open_sum = open_sums[tile_pixel];
     }
 
-    Tally tally = Tally(0u, 0u, 0u, 0u, 0u);
-    run_path(path, pixel, open_sum, tally);
+    Tally tally = Tally(RESERVED_STEPS, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
+    run_path(path, fetch_camera(), pixel, open_sum, tally);
 
     store_path(path, tile_pixel);
     open_sums[tile_pixel] = open_sum;
@@ -106,4 +100,10 @@ void main() {
     atomicAdd(counters[COUNTER_NODES], tally.nodes);
     atomicAdd(counters[COUNTER_TRIANGLES], tally.triangles);
     atomicMax(counters[COUNTER_MAX_STEPS], tally.steps);
+    if ((tally.nan | tally.infinite | tally.negative | stack_overflows) != 0u) {
+        atomicAdd(counters[COUNTER_INVALID_NAN], tally.nan);
+        atomicAdd(counters[COUNTER_INVALID_INFINITE], tally.infinite);
+        atomicAdd(counters[COUNTER_INVALID_NEGATIVE], tally.negative);
+        atomicAdd(counters[COUNTER_STACK_OVERFLOW], stack_overflows);
+    }
 }

@@ -45,7 +45,7 @@ void main() {
         Triangle triangle = fetch_triangle(index);
         fields[0] = uvec4(bits(triangle.v0), triangle.id);
         fields[1] = uvec4(bits(triangle.v1), triangle.flags);
-        fields[2] = uvec4(bits(triangle.v2), triangle.light);
+        fields[2] = uvec4(bits(triangle.v2), floatBitsToUint(triangle.pdf_area));
     } else if (push.flags == BINDING_SURFACES) {
         Surface surface = fetch_surface(index);
         fields[0] = uvec4(bits(surface.ng), surface.material);
@@ -58,12 +58,15 @@ void main() {
         fields[4] = uvec4(floatBitsToUint(corners.uv2), 0u, 0u);
     } else if (push.flags == BINDING_MATERIALS) {
         Material material = fetch_material(index);
-        fields[0] = uvec4(material.kind, floatBitsToUint(material.ior), 0u, 0u);
-        fields[1] = uvec4(bits(material.reflectance), 0u);
-        fields[2] = uvec4(bits(material.emission), 0u);
+        fields[0] = uvec4(bits(material.reflectance), material.kind);
+        fields[1] = uvec4(bits(material.emission), floatBitsToUint(material.ior));
     } else if (push.flags == BINDING_LIGHTS) {
         Light light = fetch_light(index);
-        fields[0] = uvec4(light.cdf_end, light.triangle, floatBitsToUint(light.pdf_area), 0u);
+        fields[0] = uvec4(bits(light.v0), light.cdf_end);
+        fields[1] = uvec4(bits(light.v1), light.triangle);
+        fields[2] = uvec4(bits(light.v2), floatBitsToUint(light.pdf_area));
+        fields[3] = uvec4(bits(light.ng), fetch_light_cdf_end(index));
+        fields[4] = uvec4(bits(light.emission), 0u);
     } else if (push.flags == BINDING_CAMERA) {
         Camera camera = fetch_camera();
         fields[0] = uvec4(bits(camera.origin), camera.filter_kind);

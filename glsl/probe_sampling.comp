@@ -1,7 +1,7 @@
 // Probe for tests: random numbers, warps, Fresnel terms, by the renderer's own functions.
 //
 // In: push.flags the function (below), push.samples how many calls, one texel of arguments a call. Out: one texel a call.
-//   0  random_set: [x | y << 16, sample, set, 0]  -> four 32-bit words
+//   0  random_pair: [x | y << 16, sample, pair, 0] -> two 32-bit words
 //   1  unit_float of four words                   -> four floats
 //   2  cosine_hemisphere: [u, v, 0, 0]            -> [direction, 0]
 //   3  uniform_hemisphere: [u, v, 0, 0]           -> [direction, 0]
@@ -40,8 +40,7 @@ void main() {
     vec4 args = uintBitsToFloat(words);
     vec4 result = vec4(0.0);
     if (push.flags == 0u) {
-        uvec2 pixel = uvec2(words.x & 0xffffu, words.x >> 16);
-        probe_output[index] = random_set(random_state(pixel, words.y), words.z);
+        probe_output[index] = uvec4(random_pair(words.x, words.y, words.z), 0u, 0u);
         return;
     } else if (push.flags == 1u) {
         result = vec4(unit_float(words.x), unit_float(words.y), unit_float(words.z), unit_float(words.w));

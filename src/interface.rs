@@ -15,20 +15,22 @@ pub const BINARY_NODE_TEXELS: u32 = 2;
 /// Wide node: the 80-byte compressed node of Ylitie, Karras and Laine (HPG 2017); lanes are listed in
 /// `texels/wide_node.rs`.
 pub const WIDE_NODE_TEXELS: u32 = 5;
-/// Triangle in leaf order: `[v0.xyz, id]`, `[v1.xyz, flags]`, `[v2.xyz, light]`. `id` is the position in file order,
-/// `flags` the `TRIANGLE_*` bits, `light` the index of its light record or [`NO_INDEX`].
+/// Triangle in leaf order: `[v0.xyz, id]`, `[v1.xyz, flags]`, `[v2.xyz, pdf_area]`. `id` is the position in file order,
+/// `flags` the `TRIANGLE_*` bits, `pdf_area` the density per unit area with which light sampling chooses a point on it, 0
+/// where it does not emit.
 pub const TRIANGLE_TEXELS: u32 = 3;
 /// Surface of a triangle, read once a hit is shaded: `[ng.xyz, material]`; `ng` is the unit geometric normal, the
 /// side from which the corners turn counter-clockwise.
 pub const SURFACE_TEXELS: u32 = 1;
 /// Shading attributes of a triangle's corners: `[n0.xyz, u0]`, `[n1.xyz, u1]`, `[n2.xyz, u2]`, `[v0, v1, v2, 0]`.
 pub const CORNERS_TEXELS: u32 = 4;
-/// Material: `[kind, ior, 0, 0]`, `[reflectance.rgb, 0]`, `[emission.rgb, 0]`.
-pub const MATERIAL_TEXELS: u32 = 3;
-/// Light (one emissive triangle): `[cdf_end, triangle, pdf_area, 0]`. `cdf_end` is the inclusive upper end of its
-/// share of the 32-bit random numbers, `triangle` its leaf-order index, `pdf_area` the density per unit area (scene
-/// units, after scaling) with which a point on it is chosen.
-pub const LIGHT_TEXELS: u32 = 1;
+/// Material: `[reflectance.rgb, kind]`, `[emission.rgb, ior]`.
+pub const MATERIAL_TEXELS: u32 = 2;
+/// Light (one emissive triangle), all that a light sample needs in one place: `[v0.xyz, cdf_end]`, `[v1.xyz, triangle]`,
+/// `[v2.xyz, pdf_area]`, `[ng.xyz, 0]`, `[emission.rgb, 0]`. `cdf_end` is the inclusive upper end of its share of the
+/// 32-bit random numbers, `triangle` its leaf-order index, `pdf_area` the density per unit area (scaled units) with which
+/// a point on it is chosen.
+pub const LIGHT_TEXELS: u32 = 5;
 /// Camera: `[origin.xyz, filter_kind]`, `[forward.xyz, width]`, `[right.xyz, height]`, `[down.xyz, 0]`. A camera ray
 /// through the film point (x, y), in pixels from the upper left corner, has the direction
 /// `forward + (x - width / 2) right + (y - height / 2) down`; width and height are floats.
@@ -36,13 +38,13 @@ pub const CAMERA_TEXELS: u32 = 4;
 /// Entries of the pixel filter's inverse distribution, four floats a texel: offsets from the pixel's centre in
 /// pixels, at the probabilities `i / (FILTER_ENTRIES - 1)`.
 pub const FILTER_ENTRIES: u32 = 1024;
-/// Texels of the Sobol' table: 4 tables of 256, one a byte of the (bit-reversed) index; each texel holds the exclusive
-/// or of the direction numbers of that byte, in four dimensions at once, bit-reversed.
-pub const SOBOL_TEXELS: u32 = 1024;
-/// Texels of the table of random numbers of the `table` sampler: one four-dimensional set of numbers a texel.
+/// Texels of the table of random numbers of the `table` sampler, a power of two: one pair of numbers a texel, and two
+/// more that nothing draws yet.
 pub const RANDOM_TABLE_TEXELS: u32 = 1 << 18;
+/// Pairs of random numbers that a bounce may draw; the camera has as many.
+pub const PAIRS_PER_BOUNCE: u32 = 4;
 
-/// No index: the light of a triangle that does not emit, the hit of a ray that hit nothing.
+/// No index: the corners of a flat triangle, the hit of a ray that hit nothing.
 pub const NO_INDEX: u32 = 0xffff_ffff;
 /// Triangle flag: its material emits (a tie in distance goes to it, design decision 'hit order').
 pub const TRIANGLE_EMITS: u32 = 1;
@@ -88,7 +90,7 @@ pub const BINDING_LIGHTS: u32 = 5;
 pub const BINDING_CAMERA: u32 = 6;
 /// The pixel filter's table.
 pub const BINDING_FILTER: u32 = 7;
-/// The sampler's numbers: the Sobol' table or the table of random numbers.
+/// The table of random numbers of the `table` sampler.
 pub const BINDING_RANDOM: u32 = 8;
 /// Number of record buffers: bindings `0 .. RECORD_BINDINGS`.
 pub const RECORD_BINDINGS: u32 = 9;
@@ -191,7 +193,7 @@ pub const INTERSECTOR_WATERTIGHT: u32 = 0;
 /// Test of Möller and Trumbore (1997): leaks at edges, kept for comparison.
 pub const INTERSECTOR_MOLLER_TRUMBORE: u32 = 1;
 
-/// Shuffled, Owen-scrambled Sobol' points in padded sets of four dimensions.
+/// Shuffled, Owen-scrambled Sobol' points in padded pairs of dimensions.
 pub const SAMPLER_SOBOL: u32 = 0;
 /// Independent numbers by a hash.
 pub const SAMPLER_INDEPENDENT: u32 = 1;
@@ -247,16 +249,17 @@ pub const PUSH_CONSTANTS: &[(&str, u32)] = &[
     ("PUSH_TRIANGLES", 40),
     ("PUSH_LIGHTS", 44),
     ("PUSH_MAX_BOUNCES", 48),
-    ("PUSH_REPLICATES", 52),
-    ("PUSH_SEED_LOW", 56),
-    ("PUSH_SEED_HIGH", 60),
-    ("PUSH_ROULETTE_P", 64),
-    ("PUSH_SKY_R", 68),
-    ("PUSH_SKY_G", 72),
-    ("PUSH_SKY_B", 76),
+    ("PUSH_REPLICATE", 52),
+    ("PUSH_FIRST_INDEX", 56),
+    ("PUSH_SEED_LOW", 60),
+    ("PUSH_SEED_HIGH", 64),
+    ("PUSH_ROULETTE_P", 68),
+    ("PUSH_SKY_R", 72),
+    ("PUSH_SKY_G", 76),
+    ("PUSH_SKY_B", 80),
 ];
 /// Size of the push-constant block in bytes; Vulkan promises 128.
-pub const PUSH_CONSTANT_BYTES: u32 = 80;
+pub const PUSH_CONSTANT_BYTES: u32 = 84;
 
 /// Bits of the f32 2^32: a sample of larger radiance (in units of the brightest emission) is left out as infinite, so that
 /// a block sums to at most 2^36, which the film's fixed-point sums hold without overflow over 2^27 blocks.
@@ -268,7 +271,7 @@ pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
     ("BINARY_NODE_TEXELS", BINARY_NODE_TEXELS), ("WIDE_NODE_TEXELS", WIDE_NODE_TEXELS),
     ("TRIANGLE_TEXELS", TRIANGLE_TEXELS), ("SURFACE_TEXELS", SURFACE_TEXELS), ("CORNERS_TEXELS", CORNERS_TEXELS),
     ("MATERIAL_TEXELS", MATERIAL_TEXELS), ("LIGHT_TEXELS", LIGHT_TEXELS), ("CAMERA_TEXELS", CAMERA_TEXELS),
-    ("FILTER_ENTRIES", FILTER_ENTRIES), ("SOBOL_TEXELS", SOBOL_TEXELS), ("RANDOM_TABLE_TEXELS", RANDOM_TABLE_TEXELS),
+    ("FILTER_ENTRIES", FILTER_ENTRIES), ("RANDOM_TABLE_TEXELS", RANDOM_TABLE_TEXELS), ("PAIRS_PER_BOUNCE", PAIRS_PER_BOUNCE),
     ("NO_INDEX", NO_INDEX), ("TRIANGLE_EMITS", TRIANGLE_EMITS), ("TRIANGLE_SMOOTH", TRIANGLE_SMOOTH),
     ("WIDE_LEAF_TRIANGLES", WIDE_LEAF_TRIANGLES), ("WIDE_CHILDREN", WIDE_CHILDREN),
     ("MATERIAL_LAMBERT", MATERIAL_LAMBERT), ("MATERIAL_MIRROR", MATERIAL_MIRROR), ("MATERIAL_GLASS", MATERIAL_GLASS),

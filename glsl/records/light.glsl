@@ -5,14 +5,27 @@
 #include "bindings.glsl"
 
 struct Light {
-    uint cdf_end;   // Inclusive upper end of its share of the 32-bit random numbers.
-    uint triangle;  // Its triangle, in leaf order.
-    float pdf_area; // Probability of the light times density per unit area of a point on it.
+    vec3 v0, v1, v2; // Corner positions of its triangle.
+    uint cdf_end;    // Inclusive upper end of its share of the 32-bit random numbers.
+    uint triangle;   // Its triangle, in leaf order.
+    float pdf_area;  // Probability of the light times density per unit area of a point on it.
+    vec3 ng;         // Unit geometric normal; it emits on this side.
+    vec3 emission;   // Radiance, scaled.
 };
 
 Light fetch_light(uint index) {
-    uvec4 t = lights_texel(index * LIGHT_TEXELS);
-    return Light(t.x, t.y, uintBitsToFloat(t.z));
+    uvec4 t0 = lights_texel(index * LIGHT_TEXELS);
+    uvec4 t1 = lights_texel(index * LIGHT_TEXELS + 1u);
+    uvec4 t2 = lights_texel(index * LIGHT_TEXELS + 2u);
+    vec4 t3 = uintBitsToFloat(lights_texel(index * LIGHT_TEXELS + 3u));
+    vec4 t4 = uintBitsToFloat(lights_texel(index * LIGHT_TEXELS + 4u));
+    return Light(uintBitsToFloat(t0.xyz), uintBitsToFloat(t1.xyz), uintBitsToFloat(t2.xyz), t0.w, t1.w,
+                 uintBitsToFloat(t2.w), t3.xyz, t4.rgb);
+}
+
+// `cdf_end` of a light alone, for the search.
+uint fetch_light_cdf_end(uint index) {
+    return lights_texel(index * LIGHT_TEXELS).w;
 }
 
 #endif

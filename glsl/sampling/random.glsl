@@ -1,25 +1,25 @@
 // Random numbers: a pure function of (seed, pixel, replicate, sample, dimension).
 //
-// Dimensions come in sets of four: set 0 is the camera's, bounce b (from 0) has the sets 1 + 2 b and 2 + 2 b. A set is a
-// fixed function of bounce and purpose, so an effect that is off changes no other number. Values are whole 32-bit words;
-// `unit_float` makes them floats in [0, 1).
+// Dimensions come in pairs, PAIRS_PER_BOUNCE of them for the camera and for each bounce. A pair is a fixed function of
+// bounce and purpose, so an effect that is off changes no other number. Values are whole 32-bit words; `unit_float` makes
+// them floats in [0, 1).
 #ifndef SAMPLING_RANDOM_GLSL
 #define SAMPLING_RANDOM_GLSL
 
 #include "bindings.glsl"
 #include "effects.glsl"
 
-const uint SET_CAMERA = 0u;      // x, y: pixel filter; z, w: lens
-const uint SET_DIRECTIONS = 1u;  // + 2 bounce; x, y: BSDF direction; z, w: point on the light
-const uint SET_CHOICES = 2u;     // + 2 bounce; x: lobe; y: light; z: roulette; w: free
+const uint PAIR_FILM = 0u;       // camera: place in the pixel
+const uint PAIR_LENS = 1u;       // camera: place on the lens
+const uint PAIR_DIRECTION = 0u;  // bounce: BSDF direction
+const uint PAIR_LIGHT_POINT = 1u; // bounce: point on the light
+const uint PAIR_CHOICES = 2u;    // bounce: which light; roulette
+const uint PAIR_LOBE = 3u;       // bounce: which lobe; free
 
-// Which sequence a path draws from, and where it stands in it.
-struct RandomState {
-    uint pixel;     // x | y << 16, in pixels of the whole picture.
-    uint replicate;
-    uint index;     // Index of the sample in its replicate.
-    uint sample_index; // Index of the sample in the pixel.
-};
+// Number of a pair of the camera (`stage` 0) or of bounce `stage` - 1.
+uint pair_number(uint stage, uint purpose) {
+    return stage * PAIRS_PER_BOUNCE + purpose;
+}
 
 // A float in [0, 1): 24 bits, so that the largest is 1 - 2^-24 (32 bits would round up to 1).
 float unit_float(uint word) {
@@ -48,7 +48,7 @@ uvec4 pcg4d(uvec4 v) {
 // A nested uniform (Owen) scramble of a bit-reversed word: every bit is flipped by a hash of the bits below it, which are
 // the more significant ones of the number. Laine and Karras (EGSR 2011), with Vegdahl's constants (Burley, "Practical
 // Hash-based Owen Scrambling", JCGT 2020, describes the use).
-uvec4 scramble_reversed(uvec4 v, uvec4 seed) {
+uint scramble_reversed(uint v, uint seed) {
     v ^= v * 0x3d20adeau;
     v += seed;
     v *= (seed >> 16) | 1u;
@@ -57,28 +57,40 @@ uvec4 scramble_reversed(uvec4 v, uvec4 seed) {
     return v;
 }
 
-// Four dimensions of the `index`-th point of Sobol's sequence, shuffled and scrambled by `seeds`. The table holds, for
-// each byte of the bit-reversed index, the exclusive or of its direction numbers, bit-reversed.
-uvec4 sobol_set(uint index, uvec4 seeds, uint shuffle_seed) {
-    uint shuffled = scramble_reversed(uvec4(bitfieldReverse(index)), uvec4(shuffle_seed)).x;
-    uvec4 point = random_texel(shuffled & 255u) ^ random_texel(256u + ((shuffled >> 8) & 255u)) ^
-                  random_texel(512u + ((shuffled >> 16) & 255u)) ^ random_texel(768u + (shuffled >> 24));
-    return bitfieldReverse(scramble_reversed(point, seeds));
+// The second dimension of Sobol's sequence, bit-reversed. Its k-th direction number, reversed, is row k of Pascal's
+// triangle modulo 2, and C(k, j) is odd where the bits of j are among those of k (Lucas): bit j of the result is the
+// exclusive or of all index bits whose number contains j, which five butterfly steps add up.
+uint sobol_second_reversed(uint index) {
+    index ^= (index >> 16) & 0x0000ffffu;
+    index ^= (index >> 8) & 0x00ff00ffu;
+    index ^= (index >> 4) & 0x0f0f0f0fu;
+    index ^= (index >> 2) & 0x33333333u;
+    index ^= (index >> 1) & 0x55555555u;
+    return index;
 }
 
-// The four numbers of a set.
-uvec4 random_set(RandomState state, uint set) {
+// The `index`-th point of the first two dimensions of Sobol's sequence, shuffled and scrambled by `seeds`. The first
+// dimension is the bit-reversed index, so its reversal is the index itself.
+uvec2 sobol_pair(uint index, uvec4 seeds) {
+    uint shuffled = bitfieldReverse(scramble_reversed(bitfieldReverse(index), seeds.x));
+    return bitfieldReverse(uvec2(scramble_reversed(shuffled, seeds.y),
+                                 scramble_reversed(sobol_second_reversed(shuffled), seeds.z)));
+}
+
+// The numbers of pair `pair` of sample `sample_number` of the run. `pixel` is x | y << 16, in pixels of the whole picture.
+uvec2 random_pair(uint pixel, uint sample_number, uint pair) {
+    uint index = push.first_index + sample_number;
     if (SAMPLER == SAMPLER_SOBOL) {
-        uvec4 seeds = pcg4d(uvec4(state.pixel + push.seed_low, set, state.replicate + push.seed_high, 0x9e3779b9u));
-        return sobol_set(state.index, seeds, pcg4d(seeds).x);
+        // The constant keeps these seeds apart from the numbers of the independent sampler.
+        return sobol_pair(index, pcg4d(uvec4(pixel + push.seed_low, pair, push.replicate + push.seed_high, 0x9e3779b9u)));
     }
     if (SAMPLER == SAMPLER_INDEPENDENT) {
-        return pcg4d(uvec4(state.pixel + push.seed_low, set, state.replicate + push.seed_high, state.index));
+        return pcg4d(uvec4(pixel + push.seed_low, pair, push.replicate + push.seed_high, index)).xy;
     }
     // The thesis's way: a table made by the host, read from a place of the pixel's own and around again at its end.
-    uint start = pcg4d(uvec4(state.pixel + push.seed_low, push.seed_high, 0x85ebca6bu, 0xc2b2ae35u)).x;
-    uint sets = 1u + 2u * push.max_bounces;
-    return random_texel((start + state.sample_index * sets + set) % RANDOM_TABLE_TEXELS);
+    uint start = pcg4d(uvec4(pixel + push.seed_low, push.seed_high, 0x85ebca6bu, 0xc2b2ae35u)).x;
+    uint pairs = PAIRS_PER_BOUNCE * (1u + push.max_bounces);
+    return random_texel((start + (push.first_sample + sample_number) * pairs + pair) & (RANDOM_TABLE_TEXELS - 1u)).xy;
 }
 
 #endif

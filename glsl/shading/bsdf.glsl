@@ -80,15 +80,15 @@ BsdfSample sample_glass(Interaction it, vec3 wo, float u) {
     return BsdfSample(wi, vec3(scale), 0.0, eta * eta, true);
 }
 
-// The next direction. `directions` and `choices` are the bounce's two sets of random numbers.
-BsdfSample sample_bsdf(Interaction it, vec3 wo, uvec4 directions, uvec4 choices) {
+// The next direction. `direction` and `lobe` are random words of the bounce.
+BsdfSample sample_bsdf(Interaction it, vec3 wo, uvec2 direction, uint lobe) {
     if (HAS_MIRROR != 0u && it.material.kind == MATERIAL_MIRROR) {
         return sample_mirror(it, wo);
     }
     if (HAS_GLASS != 0u && it.material.kind == MATERIAL_GLASS) {
-        return sample_glass(it, wo, unit_float(choices.x));
+        return sample_glass(it, wo, unit_float(lobe));
     }
-    return sample_lambert(it, unit_float2(directions.xy));
+    return sample_lambert(it, unit_float2(direction));
 }
 
 #endif

@@ -14,7 +14,7 @@ struct Interaction {
     vec3 ng;        // Unit geometric normal, on wo's side.
     vec3 ns;        // Unit shading normal, on wo's side of the geometry and with dot(ns, wo) > 0.
     bool front;     // Whether wo is on the front.
-    uint light;     // Light record of the triangle, or NO_INDEX.
+    float pdf_area; // Density per unit area of light sampling at p; 0 where the triangle does not emit.
     Material material;
 };
 
@@ -50,7 +50,7 @@ Interaction make_interaction(Hit hit, vec3 wo) {
     if (HAS_SMOOTH_NORMALS != 0u && (triangle.flags & TRIANGLE_SMOOTH) != 0u) {
         it.ns = shading_normal(hit.triangle, hit.b1, hit.b2, it.ng, it.front, wo);
     }
-    it.light = triangle.light;
+    it.pdf_area = triangle.pdf_area;
     it.material = fetch_material(surface.material);
     return it;
 }

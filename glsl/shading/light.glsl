@@ -32,7 +32,7 @@ uint pick_light(uint word, inout uint steps) {
     uint high = push.light_count - 1u;
     while (low < high) {
         uint middle = (low + high) >> 1;
-        if (word <= fetch_light(middle).cdf_end) {
+        if (word <= fetch_light_cdf_end(middle)) {
             high = middle;
         } else {
             low = middle + 1u;
@@ -48,30 +48,21 @@ struct LightSample {
     uint triangle;  // The light's triangle, in leaf order.
 };
 
-// A light sample for the Lambert surface `it`, seen from the ray origin `o`.
-LightSample sample_light(Interaction it, vec3 o, uvec4 directions, uvec4 choices, inout uint steps) {
-    Light light = fetch_light(pick_light(choices.y, steps));
-    Triangle triangle = fetch_triangle(light.triangle);
-    Surface surface = fetch_surface(light.triangle);
-    vec2 b = square_to_triangle(unit_float2(directions.zw));
-    precise vec3 point = triangle.v0 + b.x * (triangle.v1 - triangle.v0) + b.y * (triangle.v2 - triangle.v0);
+// A sample of `light` at the place `u` of the unit square, for the Lambert surface `it`, seen from the ray origin `o`.
+LightSample sample_light(Interaction it, vec3 o, Light light, vec2 u) {
+    vec2 b = square_to_triangle(u);
+    precise vec3 point = light.v0 + b.x * (light.v1 - light.v0) + b.y * (light.v2 - light.v0);
     precise vec3 d = point - o;
     precise float distance2 = d.x * d.x + d.y * d.y + d.z * d.z;
-    LightSample none = LightSample(d, vec3(0.0), light.triangle);
-    if (!(distance2 > 0.0)) {
-        return none;
-    }
     precise vec3 wi = d * inversesqrt(distance2);
-    precise float cos_light = -(wi.x * surface.ng.x + wi.y * surface.ng.y + wi.z * surface.ng.z);
+    precise float cos_light = -(wi.x * light.ng.x + wi.y * light.ng.y + wi.z * light.ng.z);
     precise float cos_surface = wi.x * it.ns.x + wi.y * it.ns.y + wi.z * it.ns.z;
-    if (!(cos_light > 0.0) || !(cos_surface > 0.0) || !(dot(wi, it.ng) > 0.0)) {
-        return none;
-    }
+    // Comparisons that a NaN fails: a point on the light itself gives none of this.
+    bool reaches = distance2 > 0.0 && cos_light > 0.0 && cos_surface > 0.0 && dot(wi, it.ng) > 0.0;
     float pdf = light_pdf(light.pdf_area, distance2, cos_light);
     float weight = LIGHTS == LIGHTS_MIS ? power_heuristic(pdf, lambert_pdf(cos_surface)) : 1.0;
-    vec3 emission = fetch_material(surface.material).emission;
-    precise vec3 radiance = emission * it.material.reflectance * (INV_PI * cos_surface * (weight / pdf));
-    return LightSample(d, radiance, light.triangle);
+    precise vec3 radiance = light.emission * it.material.reflectance * (INV_PI * cos_surface * (weight / pdf));
+    return LightSample(d, reaches ? radiance : vec3(0.0), light.triangle);
 }
 
 #endif

@@ -16,15 +16,43 @@ const float CULL_BEYOND = 1.000030517578125;
 const float NO_HIT_KEY = 1.2676506002282294e30;
 
 struct Ray {
-    vec3 o;             // Origin, scaled units.
-    vec3 d;             // Direction, of any length.
-    vec3 inv;           // 1 / d, finite.
-    float reach;        // Bounds every coordinate difference between the origin and the scene.
-    vec3 o_permuted;    // Origin with the axis of the largest |d| last.
-    vec3 shear;         // d.x / d.z, d.y / d.z, 1 / d.z in that order of axes.
-    bool z_is_x;        // That axis is x,
-    bool z_is_y;        // or y; otherwise it is z.
+    vec3 o;           // Origin, scaled units.
+    vec3 d;           // Direction, of any length.
+    vec3 inv;         // 1 / d, finite.
+    vec3 node_pad;    // Padding of nodes' boxes, in t, an axis.
+    vec3 o_permuted;  // Origin with the axis of the largest |d| last,
+    vec3 inv_permuted; // and so 1 / d,
+    vec3 triangle_pad; // and the padding of triangles' own boxes, in t.
+    vec3 shear;       // d.x / d.z, d.y / d.z, 1 / d.z in that order of axes.
+    bool z_is_x;      // That axis is x,
+    bool z_is_y;      // or y; otherwise it is z.
 };
+
+// The smaller and the larger of two numbers that are not NaN. min() and max() promise nothing for NaN, and drivers that do
+// keep their promise pay for it three times over.
+float lesser(float a, float b) {
+    return b < a ? b : a;
+}
+
+float greater(float a, float b) {
+    return b > a ? b : a;
+}
+
+vec3 lesser(vec3 a, vec3 b) {
+    return mix(a, b, lessThan(b, a));
+}
+
+vec3 greater(vec3 a, vec3 b) {
+    return mix(a, b, greaterThan(b, a));
+}
+
+vec4 lesser(vec4 a, vec4 b) {
+    return mix(a, b, lessThan(b, a));
+}
+
+vec4 greater(vec4 a, vec4 b) {
+    return mix(a, b, greaterThan(b, a));
+}
 
 // `v` with the ray's largest axis last, the order kept cyclic (Woop, Benthin and Wald 2013, section 3).
 vec3 permute(Ray ray, vec3 v) {
@@ -37,17 +65,21 @@ Ray make_ray(vec3 o, vec3 d) {
     ray.d = d;
     // A component of zero would give 0 * inf on a box's plane; the sign stays, and 1e18 overflows nothing.
     vec3 tiny = uintBitsToFloat((floatBitsToUint(d) & 0x80000000u) | floatBitsToUint(1.0e-18));
-    precise vec3 guarded = mix(tiny, d, greaterThanEqual(abs(d), vec3(1.0e-18)));
+    vec3 guarded = mix(tiny, d, greaterThanEqual(abs(d), vec3(1.0e-18)));
     precise vec3 inv = 1.0 / guarded;
     ray.inv = inv;
     vec3 a = abs(o);
-    // The scene is scaled to lie within [-1, 1] on every axis.
-    precise float reach = (a.y > a.x ? (a.z > a.y ? a.z : a.y) : (a.z > a.x ? a.z : a.x)) + 1.0;
-    ray.reach = reach;
+    // Bounds every coordinate difference between origin and scene: the scene is scaled to lie within [-1, 1] on every axis.
+    precise float reach = greater(greater(a.x, a.y), a.z) + 1.0;
+    precise vec3 node_pad = (reach * NODE_PAD) * abs(inv);
+    ray.node_pad = node_pad;
     vec3 m = abs(d);
     ray.z_is_x = !(m.y > m.x) && !(m.z > m.x);
     ray.z_is_y = !ray.z_is_x && !(m.z > m.y);
     ray.o_permuted = permute(ray, o);
+    ray.inv_permuted = permute(ray, inv);
+    precise vec3 triangle_pad = (reach * TRIANGLE_PAD) * abs(ray.inv_permuted);
+    ray.triangle_pad = triangle_pad;
     vec3 p = permute(ray, d);
     precise vec3 shear = vec3(p.x / p.z, p.y / p.z, 1.0 / p.z);
     ray.shear = shear;

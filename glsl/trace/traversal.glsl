@@ -23,6 +23,7 @@ struct Traversal {
 };
 
 uvec2 stack[STACK_ENTRIES];
+uint stack_overflows = 0u;
 
 const uint INNER_HITS = 0xff000000u;
 
@@ -48,20 +49,37 @@ Traversal begin_traversal(Hit best, vec3 o, vec3 d) {
     return traversal;
 }
 
+// The stack's top is entry 0 and the others shift: every index is then a constant, and the stack lives in registers. Moving
+// a dozen entries is cheaper than one access to an indexed array, which runs lane by lane on CPU devices.
 void push_entry(inout Traversal traversal, uvec2 entry) {
-    if (traversal.stack_size < STACK_ENTRIES) {
-        stack[traversal.stack_size] = entry;
-        traversal.stack_size++;
-    } else {
-        atomicAdd(counters[COUNTER_STACK_OVERFLOW], 1u);
+    // The builder bounds the depth, so there is always room; the host takes any overflow for a bug.
+    if (traversal.stack_size == STACK_ENTRIES) {
+        stack_overflows++;
+        return;
     }
+    // Upwards: Mesa does not unroll a loop that counts down.
+    uvec2 moved = entry;
+    for (uint i = 0u; i < STACK_ENTRIES; i++) {
+        uvec2 below = stack[i];
+        stack[i] = moved;
+        moved = below;
+    }
+    traversal.stack_size++;
+}
+
+uvec2 pop_entry(inout Traversal traversal) {
+    uvec2 entry = stack[0];
+    for (uint i = 0u; i + 1u < STACK_ENTRIES; i++) {
+        stack[i] = stack[i + 1u];
+    }
+    traversal.stack_size--;
+    return entry;
 }
 
 // Visits the next node of the wide tree: its children that the ray enters become the current group.
 void visit_wide(inout Traversal traversal, Ray ray) {
     if ((traversal.nodes.y & INNER_HITS) == 0u) {
-        traversal.stack_size--;
-        traversal.nodes = stack[traversal.stack_size];
+        traversal.nodes = pop_entry(traversal);
     }
     uint octant = (ray.inv.x >= 0.0 ? 4u : 0u) | (ray.inv.y >= 0.0 ? 2u : 0u) | (ray.inv.z >= 0.0 ? 1u : 0u);
     uint bit = uint(findMSB(traversal.nodes.y));
@@ -83,8 +101,7 @@ void visit_wide(inout Traversal traversal, Ray ray) {
 void visit_binary(inout Traversal traversal, Ray ray) {
     float cull = traversal.best.key * CULL_BEYOND;
     if (traversal.nodes.y == 0u) {
-        traversal.stack_size--;
-        uvec2 entry = stack[traversal.stack_size];
+        uvec2 entry = pop_entry(traversal);
         traversal.nodes = uvec2(entry.x, uintBitsToFloat(entry.y) <= cull ? 1u : 0u);
         if (traversal.nodes.y == 0u) {
             return;

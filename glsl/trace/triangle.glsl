@@ -10,11 +10,9 @@
 // Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (JCGT 2013). Every vertex is sheared by the same
 // expression, so two triangles see a shared edge alike, and an edge function's sign is right up to a relative error of its
 // own vertices: no ray slips between. `precise` keeps a contraction from making e(a, b) differ from -e(b, a).
-// Gives t and the barycentrics; false where there is no hit.
-bool hit_watertight(Ray ray, Triangle triangle, out float t, out float b1, out float b2) {
-    precise vec3 a = permute(ray, triangle.v0) - ray.o_permuted;
-    precise vec3 b = permute(ray, triangle.v1) - ray.o_permuted;
-    precise vec3 c = permute(ray, triangle.v2) - ray.o_permuted;
+// `a`, `b`, `c` are the corners relative to the ray's origin, its largest axis last. Gives t and the barycentrics; false
+// where there is no hit.
+bool hit_watertight(Ray ray, vec3 a, vec3 b, vec3 c, out float t, out float b1, out float b2) {
     precise float ax = a.x - ray.shear.x * a.z;
     precise float ay = a.y - ray.shear.y * a.z;
     precise float bx = b.x - ray.shear.x * b.z;
@@ -25,18 +23,16 @@ bool hit_watertight(Ray ray, Triangle triangle, out float t, out float b1, out f
     precise float v = ax * cy - ay * cx;
     precise float w = bx * ay - by * ax;
     precise float det = u + v + w;
-    bool outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
-    if (outside || det == 0.0) {
-        return false;
-    }
-    precise float scaled_t = u * (ray.shear.z * a.z) + v * (ray.shear.z * b.z) + w * (ray.shear.z * c.z);
-    precise float distance = scaled_t / det;
-    precise float second = v / det;
-    precise float third = w / det;
+    precise float inv = 1.0 / det;
+    precise float distance = (u * (ray.shear.z * a.z) + v * (ray.shear.z * b.z) + w * (ray.shear.z * c.z)) * inv;
+    precise float second = v * inv;
+    precise float third = w * inv;
     t = distance;
     b1 = second;
     b2 = third;
-    return t > 0.0;
+    float least = lesser(lesser(u, v), w);
+    float most = greater(greater(u, v), w);
+    return !(least < 0.0 && most > 0.0) && det != 0.0 && distance > 0.0;
 }
 
 // Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection" (1997), two-sided: its edges leak.
@@ -64,18 +60,15 @@ bool hit_moller_trumbore(Ray ray, Triangle triangle, out float t, out float b1, 
 
 // Where the ray enters the triangle's own box, grown by TRIANGLE_PAD: a hit outside that box is rounding, not geometry
 // (a sliver's edge functions can agree far beyond its tip), and a distance below the entry is raised to it. This ties
-// every hit to a box that all nodes above contain, so that no tree can lose what brute force finds.
-bool own_box_entry(Ray ray, Triangle triangle, out float entry) {
-    vec3 low = min(min(triangle.v0, triangle.v1), triangle.v2);
-    vec3 high = max(max(triangle.v0, triangle.v1), triangle.v2);
-    precise float pad = ray.reach * TRIANGLE_PAD;
-    precise vec3 t_low = (low - (ray.o + pad)) * ray.inv;
-    precise vec3 t_high = (high - (ray.o - pad)) * ray.inv;
-    bvec3 forward = greaterThanEqual(ray.inv, vec3(0.0));
-    vec3 near = mix(t_high, t_low, forward);
-    vec3 far = mix(t_low, t_high, forward);
-    entry = max(max(near.x, near.y), near.z);
-    float leave = min(min(far.x, far.y), far.z);
+// every hit to a box that all nodes above contain, so that no tree can lose what brute force finds. `a`, `b`, `c` as above.
+bool own_box_entry(Ray ray, vec3 a, vec3 b, vec3 c, out float entry) {
+    vec3 low = lesser(lesser(a, b), c);
+    vec3 high = greater(greater(a, b), c);
+    bvec3 forward = greaterThanEqual(ray.inv_permuted, vec3(0.0));
+    precise vec3 near = mix(high, low, forward) * ray.inv_permuted - ray.triangle_pad;
+    precise vec3 far = mix(low, high, forward) * ray.inv_permuted + ray.triangle_pad;
+    entry = greater(greater(near.x, near.y), near.z);
+    float leave = lesser(lesser(far.x, far.y), far.z);
     return entry <= leave && leave >= 0.0;
 }
 
@@ -84,26 +77,24 @@ bool own_box_entry(Ray ray, Triangle triangle, out float entry) {
 // triangle that the ray starts from, and the light that a shadow ray aims at. True where `best` changed.
 bool test_triangle(Ray ray, uint index, uint skip, uint skip_too, inout Hit best) {
     Triangle triangle = fetch_triangle(index);
-    float t, b1, b2;
+    precise vec3 a = permute(ray, triangle.v0) - ray.o_permuted;
+    precise vec3 b = permute(ray, triangle.v1) - ray.o_permuted;
+    precise vec3 c = permute(ray, triangle.v2) - ray.o_permuted;
+    float t, b1, b2, entry;
     bool hit;
     if (INTERSECTOR == INTERSECTOR_WATERTIGHT) {
-        hit = hit_watertight(ray, triangle, t, b1, b2);
+        hit = hit_watertight(ray, a, b, c, t, b1, b2);
     } else {
         hit = hit_moller_trumbore(ray, triangle, t, b1, b2);
     }
-    float entry;
-    if (!hit || index == skip || index == skip_too || !own_box_entry(ray, triangle, entry)) {
-        return false;
-    }
-    precise float key = max(t, entry);
-    if ((triangle.flags & TRIANGLE_EMITS) != 0u) {
-        key = key * EMITTER_NEARER;
-    }
-    if (key < best.key || (key == best.key && triangle.id < best.id)) {
+    bool in_box = own_box_entry(ray, a, b, c, entry);
+    precise float key = greater(t, entry) * ((triangle.flags & TRIANGLE_EMITS) != 0u ? EMITTER_NEARER : 1.0);
+    bool first = key < best.key || (key == best.key && triangle.id < best.id);
+    bool counts = hit && in_box && first && index != skip && index != skip_too;
+    if (counts) {
         best = Hit(key, triangle.id, index, b1, b2);
-        return true;
     }
-    return false;
+    return counts;
 }
 
 #endif

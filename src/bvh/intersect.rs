@@ -6,11 +6,11 @@
 //!
 //! # Boxes
 //!
-//! `u` = 2^-24, `o` the origin, `reach = max |o| + 1`. A plane at `p` is crossed at `(p - (o ± pad)) * inv`. Seen as an
-//! error in position (the error in t divided by `inv`), the exact form errs by `u |o|` in `o ± pad`, `u (|o| + 1)` in
-//! the difference and as much in the product: less than `4 u reach`, `pad` itself being below `2^-19 reach`. A
-//! quantised plane, `q * (cell * inv) + (origin - (o ± pad)) * inv`, errs by `u |q cell| <= 3 u` in its first product
-//! (`cell` is a power of two, so `cell * inv` is exact), by `u |o| + 2 u (|o| + 1)` in its second, and by
+//! `u` = 2^-24, `o` the origin, `reach = max |o| + 1`. A plane at `p` is crossed at `(p - o) * inv ± pad |inv|`. Seen as
+//! an error in position (the error in t divided by `inv`), the exact form errs by `u (|o| + 1)` in the difference, as
+//! much in the product and as much in the sum: less than `4 u reach`, `pad` itself being below `2^-19 reach`. A
+//! quantised plane, `q * (cell * inv) + ((origin - o) * inv ± pad |inv|)`, errs by `u |q cell| <= 3 u` in its first
+//! product (`cell` is a power of two, so `cell * inv` is exact), by `3 u (|o| + 1)` in its second term, and by
 //! `u (|o| + 1)` in the sum: less than `8 u reach`, contracted or not. Nodes are padded by `2^-19 reach`, triangles by
 //! `2^-20 reach`: the difference, `16 u reach`, is more than both errors together. So the computed interval of a node
 //! contains that of every triangle below it.
@@ -114,9 +114,9 @@ pub(super) struct Prepared {
     direction: [f32; 3],
     /// Reciprocal direction, clamped.
     pub inverse: [f32; 3],
-    /// Origin plus, and minus, the padding of nodes.
-    pub node_origin: [[f32; 3]; 2],
-    triangle_origin: [[f32; 3]; 2],
+    /// Padding of nodes in t, by axis.
+    pub node_pad: [f32; 3],
+    triangle_pad: [f32; 3],
     /// Axes of the watertight test: two sheared ones and the one along which the direction is longest.
     axes: [usize; 3],
     /// Shear along the first two axes and scale along the third.
@@ -128,7 +128,7 @@ impl Prepared {
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         let inverse = direction.map(|d| 1.0 / if d.abs() >= MIN_DIRECTION { d } else { MIN_DIRECTION.copysign(d) });
         let reach = origin[0].abs().max(origin[1].abs()).max(origin[2].abs()) + 1.0;
-        let padded = |pad: f32| [origin.map(|o| o + pad), origin.map(|o| o - pad)];
+        let padding = |pad: f32| inverse.map(|inverse| pad * inverse.abs());
         let length = direction.map(f32::abs);
         let mut kz = 0;
         if length[1] > length[kz] {
@@ -143,21 +143,22 @@ impl Prepared {
             origin,
             direction,
             inverse,
-            node_origin: padded(reach * NODE_PAD),
-            triangle_origin: padded(reach * TRIANGLE_PAD),
+            node_pad: padding(reach * NODE_PAD),
+            triangle_pad: padding(reach * TRIANGLE_PAD),
             axes: [kx, ky, kz],
             shear,
         }
     }
 
-    /// Entry and exit of a box seen from an origin moved by plus and by minus the padding.
+    /// Entry and exit of a box grown by a padding that is given in t.
     #[inline]
-    fn interval(&self, low: Vec3, high: Vec3, origins: &[[f32; 3]; 2]) -> (f32, f32) {
+    fn interval(&self, low: Vec3, high: Vec3, pad: &[f32; 3]) -> (f32, f32) {
         let (mut near, mut far) = ([0.0f32; 3], [0.0f32; 3]);
         for axis in 0..3 {
-            let t_low = (low[axis] - origins[0][axis]) * self.inverse[axis];
-            let t_high = (high[axis] - origins[1][axis]) * self.inverse[axis];
-            (near[axis], far[axis]) = if self.inverse[axis] >= 0.0 { (t_low, t_high) } else { (t_high, t_low) };
+            let t_low = (low[axis] - self.origin[axis]) * self.inverse[axis];
+            let t_high = (high[axis] - self.origin[axis]) * self.inverse[axis];
+            let (t_near, t_far) = if self.inverse[axis] >= 0.0 { (t_low, t_high) } else { (t_high, t_low) };
+            (near[axis], far[axis]) = (t_near - pad[axis], t_far + pad[axis]);
         }
         (near[0].max(near[1]).max(near[2]), far[0].min(far[1]).min(far[2]))
     }
@@ -165,7 +166,7 @@ impl Prepared {
     /// Whether a node's box is met before `cull`, and where it is entered.
     #[inline]
     pub fn enters(&self, low: Vec3, high: Vec3, cull: f32) -> (bool, f32) {
-        let (entry, exit) = self.interval(low, high, &self.node_origin);
+        let (entry, exit) = self.interval(low, high, &self.node_pad);
         (entry <= exit && exit >= 0.0 && entry <= cull, entry)
     }
 
@@ -182,7 +183,7 @@ impl Prepared {
             return None;
         }
         let [v0, v1, v2] = triangle.positions;
-        let (entry, exit) = self.interval(v0.min(v1).min(v2), v0.max(v1).max(v2), &self.triangle_origin);
+        let (entry, exit) = self.interval(v0.min(v1).min(v2), v0.max(v1).max(v2), &self.triangle_pad);
         let meets_box = entry <= exit && exit >= 0.0;
         if !meets_box {
             return None;
@@ -213,8 +214,9 @@ impl Prepared {
             return None;
         }
         let [az, bz, cz] = relative.map(|[_, _, z]| sz * z);
-        let t = (u * az + v * bz + w * cz) / det;
-        Some((t, v / det, w / det))
+        let inverse = 1.0 / det;
+        let t = (u * az + v * bz + w * cz) * inverse;
+        Some((t, v * inverse, w * inverse))
     }
 
     /// The same by Möller and Trumbore (1997). Only an exactly zero determinant is refused.

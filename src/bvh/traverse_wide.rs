@@ -62,22 +62,23 @@ fn slot_order(inverse: &[f32; 3]) -> u32 {
 fn hits(node: &WideNode, query: &Query, order: u32) -> u32 {
     let ray = &query.ray;
     let cull = query.cull();
-    let (mut step, mut low_base, mut high_base) = ([0.0f32; 3], [0.0f32; 3], [0.0f32; 3]);
+    let (mut step, mut near_base, mut far_base) = ([0.0f32; 3], [0.0f32; 3], [0.0f32; 3]);
     for axis in 0..3 {
         let inverse = ray.inverse[axis];
         let origin = f32::from_bits(node.origin[axis]);
         step[axis] = f32::from_bits(u32::from(node.exponent[axis]) << 23) * inverse;
-        low_base[axis] = (origin - ray.node_origin[0][axis]) * inverse;
-        high_base[axis] = (origin - ray.node_origin[1][axis]) * inverse;
+        let base = (origin - ray.origin[axis]) * inverse;
+        (near_base[axis], far_base[axis]) = (base - ray.node_pad[axis], base + ray.node_pad[axis]);
     }
     let mut mask = 0;
     for slot in 0..WIDE_CHILDREN as usize {
         let meta = u32::from(node.meta[slot]);
         let (mut near, mut far) = ([0.0f32; 3], [0.0f32; 3]);
         for axis in 0..3 {
-            let t_low = f32::from(node.low[axis][slot]) * step[axis] + low_base[axis];
-            let t_high = f32::from(node.high[axis][slot]) * step[axis] + high_base[axis];
-            (near[axis], far[axis]) = if ray.inverse[axis] >= 0.0 { (t_low, t_high) } else { (t_high, t_low) };
+            let planes = (f32::from(node.low[axis][slot]), f32::from(node.high[axis][slot]));
+            let (q_near, q_far) = if ray.inverse[axis] >= 0.0 { planes } else { (planes.1, planes.0) };
+            near[axis] = q_near * step[axis] + near_base[axis];
+            far[axis] = q_far * step[axis] + far_base[axis];
         }
         let entry = near[0].max(near[1]).max(near[2]);
         let exit = far[0].min(far[1]).min(far[2]);

@@ -97,6 +97,9 @@ impl Uploader {
             // Earlier dispatches read or write `dst` → this copy writes it. Without it a dispatch still in flight could
             // see the new bytes too early. For a fresh buffer there is nothing to wait for.
             recorder.barrier(before)?;
+            // Earlier copies read or write `dst` → this copy writes it. Without it a readback still in flight could take
+            // the new bytes for the old ones.
+            recorder.barrier(Barrier::TransferToTransfer)?;
             // The host's writes to the chunk need no barrier: the submit makes them visible.
             recorder.record_copy(&chunk.buffer, 0, dst, offset, piece.len() as u64, Some(&clock))?;
             // This copy writes `dst` → later dispatches read it, as texels or storage. Without it they might read what

@@ -32,7 +32,7 @@ use crate::texels::random::splitmix64;
 const COUNTER_BYTES: u64 = 4 * COUNTERS as u64;
 
 /// Where lanes refill by default; measured in docs/performance.md.
-const REFILL_EIGHTHS: u32 = 5;
+const REFILL_EIGHTHS: u32 = 6;
 
 /// A scene on the device, ready to be rendered.
 pub struct Renderer {
@@ -355,7 +355,7 @@ fn constants(scene: &Scene, settings: &Settings, data: &TexelData, replicates: u
 }
 
 fn empty_report(effects: &Effects, seconds: StageSeconds, settings: &Settings) -> RenderReport {
-    let sets = u64::from(settings.spp) * (1 + 2 * u64::from(settings.max_bounces));
+    let pairs = u64::from(settings.spp) * u64::from(PAIRS_PER_BOUNCE) * (1 + u64::from(settings.max_bounces));
     RenderReport {
         spp: 0,
         stop_reason: StopReason::Spp,
@@ -367,7 +367,7 @@ fn empty_report(effects: &Effects, seconds: StageSeconds, settings: &Settings) -
         effects: effects.names(),
         invalid_samples: INVALID_CAUSES.iter().map(|&(cause, _)| (cause, 0)).collect(),
         table_wraps: match settings.sampler {
-            Sampler::Table => sets / u64::from(RANDOM_TABLE_TEXELS),
+            Sampler::Table => pairs / u64::from(RANDOM_TABLE_TEXELS),
             _ => 0,
         },
         bytes: Bytes::default(),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::bvh::Accel;
 use crate::error::Result;
+use crate::film::{block_in_replicate, replicate_of_block};
 use crate::gpu::{BindingKind, BindingSlot, ComputePipeline, Context, PipelineDesc, shaders};
 use crate::interface::*;
 use crate::render::effects::Effects;
@@ -101,6 +102,8 @@ impl Constants {
     /// The push-constant block of a dispatch, in the layout of `interface::PUSH_CONSTANTS`.
     pub fn push(&self, dispatch: &Dispatch) -> [u8; PUSH_CONSTANT_BYTES as usize] {
         let tile = dispatch.tile;
+        // A run never crosses a block's end, so all of it belongs to one replicate.
+        let block = dispatch.samples[0] / BLOCK_SAMPLES;
         let words = [
             tile.x,
             tile.y,
@@ -115,7 +118,8 @@ impl Constants {
             self.triangles,
             self.lights,
             self.max_bounces,
-            self.replicates,
+            replicate_of_block(block, self.replicates),
+            block_in_replicate(block, self.replicates) * BLOCK_SAMPLES + dispatch.samples[0] % BLOCK_SAMPLES,
             self.seed[0],
             self.seed[1],
             self.roulette_p.to_bits(),

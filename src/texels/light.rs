@@ -1,13 +1,13 @@
 //! Light records: the emissive triangles, and the probability with which each is chosen.
 //!
-//! Comes in: the scene and its leaf order. Goes out: one texel a light, in order of rising `cdf_end`, and for each triangle
-//! the number of its light. Probabilities are whole numbers of 2^-32 that add up to 1 exactly, and the density stored with a
+//! Comes in: the scene and its leaf order. Goes out: one record a light, in order of rising `cdf_end`, and for each triangle
+//! the density with which a point on it is chosen. Probabilities are whole numbers of 2^-32 that add up to 1 exactly, and the density stored with a
 //! light is the one that these whole numbers give: what is drawn and what is divided by cannot differ.
 
 use super::Texel;
-use super::triangle::area;
+use super::triangle::{area, geometric_normal, with_word};
 use crate::error::{Error, Result};
-use crate::interface::NO_INDEX;
+use crate::interface::LIGHT_TEXELS;
 use crate::scene::Scene;
 use crate::settings::LightPick;
 
@@ -20,15 +20,17 @@ const EVEN_SHARE: f64 = 0.05;
 pub struct Lights {
     /// One record a light.
     pub texels: Vec<Texel>,
-    /// For each triangle in file order its light, or [`NO_INDEX`].
-    pub light_of: Vec<u32>,
+    /// For each triangle in file order the density per unit area of light sampling on it; 0 where it does not emit.
+    pub pdf_area: Vec<f32>,
+    /// Number of lights.
+    pub count: u32,
 }
 
 /// Builds the lights. `order` is the leaf order: position `i` holds the triangle with id `order[i]`.
 ///
 /// Fails with [`Error::Limit`] where there are more than 2^31 lights: each must get at least one of the 2^32 words.
 pub fn build_lights(scene: &Scene, order: &[u32], pick: LightPick) -> Result<Lights> {
-    let mut light_of = vec![NO_INDEX; scene.triangles.len()];
+    let mut densities = vec![0.0; scene.triangles.len()];
     // Lights in file order, with their leaf position, area and weight.
     let mut lights: Vec<(u32, u32, f64, f64)> = Vec::new();
     for (position, &id) in order.iter().enumerate() {
@@ -54,15 +56,24 @@ pub fn build_lights(scene: &Scene, order: &[u32], pick: LightPick) -> Result<Lig
     let weights: Vec<f64> = lights.iter().map(|light| light.3).collect();
     let even_share = if pick == LightPick::Power { EVEN_SHARE } else { 0.0 };
     let ends = cumulative_words(&weights, even_share);
-    let mut texels = Vec::with_capacity(lights.len());
+    let mut texels = Vec::with_capacity(lights.len() * LIGHT_TEXELS as usize);
     let mut begin = 0u64;
-    for (index, (&(id, position, area, _), &end)) in lights.iter().zip(&ends).enumerate() {
+    for (&(id, position, area, _), &end) in lights.iter().zip(&ends) {
         let probability = (end - begin) as f64 / 4_294_967_296.0;
         begin = end;
-        light_of[id as usize] = index as u32;
-        texels.push([(end - 1) as u32, position, ((probability / area) as f32).to_bits(), 0]);
+        let triangle = &scene.triangles[id as usize];
+        let pdf_area = (probability / area) as f32;
+        densities[id as usize] = pdf_area;
+        let [v0, v1, v2] = triangle.positions;
+        texels.extend([
+            with_word(v0, (end - 1) as u32),
+            with_word(v1, position),
+            with_word(v2, pdf_area.to_bits()),
+            with_word(geometric_normal(triangle).as_vec3(), 0),
+            with_word(scene.materials[triangle.material as usize].emission.into(), 0),
+        ]);
     }
-    Ok(Lights { texels, light_of })
+    Ok(Lights { texels, pdf_area: densities, count: lights.len() as u32 })
 }
 
 /// Exclusive ends of the weights' shares of 2^32 words: rising, at least one word each, the last end 2^32.

@@ -39,7 +39,7 @@ pub struct TexelData {
     pub camera: Vec<Texel>,
     /// The pixel filter's table; empty for the box.
     pub filter: Vec<Texel>,
-    /// The sampler's numbers; empty for the independent sampler.
+    /// The table of random numbers; empty for the samplers that compute theirs.
     pub random: Vec<Texel>,
     /// Number of triangles.
     pub triangle_count: u32,
@@ -57,8 +57,7 @@ impl TexelData {
             data.filter = camera::filter_texels(settings.filter);
         }
         data.random = match settings.sampler {
-            Sampler::Sobol => random::sobol_texels(),
-            Sampler::Independent => Vec::new(),
+            Sampler::Sobol | Sampler::Independent => Vec::new(),
             Sampler::Table => random::random_table_texels(settings.seed),
         };
         Ok(data)
@@ -79,7 +78,7 @@ impl TexelData {
                 Accel::Wide(tree) => tree.nodes.iter().flat_map(wide_node::pack).collect(),
             },
             triangles: in_order()
-                .flat_map(|(id, triangle)| triangle::triangle_texels(triangle, id, lights.light_of[id as usize]))
+                .flat_map(|(id, triangle)| triangle::triangle_texels(triangle, id, lights.pdf_area[id as usize]))
                 .collect(),
             surfaces: in_order().map(|(_, triangle)| triangle::surface_texel(triangle)).collect(),
             corners: match smooth {
@@ -88,7 +87,7 @@ impl TexelData {
             },
             materials: scene.materials.iter().flat_map(material::material_texels).collect(),
             triangle_count: order.len() as u32,
-            light_count: lights.texels.len() as u32,
+            light_count: lights.count,
             lights: lights.texels,
             ..TexelData::default()
         })

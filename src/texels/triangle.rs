@@ -9,17 +9,18 @@ use super::Texel;
 use crate::interface::{NO_INDEX, TRIANGLE_EMITS, TRIANGLE_SMOOTH};
 use crate::scene::{Corners, Triangle};
 
-/// The three texels of a triangle with the file-order number `id`; `light` is its light record or [`NO_INDEX`].
-pub fn triangle_texels(triangle: &Triangle, id: u32, light: u32) -> [Texel; 3] {
+/// The three texels of a triangle with the file-order number `id`; `pdf_area` is the density of light sampling on it, 0
+/// where it does not emit.
+pub fn triangle_texels(triangle: &Triangle, id: u32, pdf_area: f32) -> [Texel; 3] {
     let mut flags = 0;
-    if light != NO_INDEX {
+    if pdf_area > 0.0 {
         flags |= TRIANGLE_EMITS;
     }
     if triangle.corners != NO_INDEX {
         flags |= TRIANGLE_SMOOTH;
     }
     let [v0, v1, v2] = triangle.positions;
-    [with_word(v0, id), with_word(v1, flags), with_word(v2, light)]
+    [with_word(v0, id), with_word(v1, flags), with_word(v2, pdf_area.to_bits())]
 }
 
 /// The texel of a triangle's surface: its unit normal, made in f64 so that slivers keep theirs, and its material.
@@ -54,7 +55,8 @@ fn cross(triangle: &Triangle) -> DVec3 {
     (v1 - v0).cross(v2 - v0)
 }
 
-fn with_word(v: Vec3, word: u32) -> Texel {
+/// A texel of a vector and a word.
+pub(super) fn with_word(v: Vec3, word: u32) -> Texel {
     [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), word]
 }
 
@@ -78,8 +80,8 @@ mod tests {
 
     #[test]
     fn integers_travel_as_integers() {
-        let texels = triangle_texels(&sliver(), 7, 2);
-        assert_eq!([texels[0][3], texels[1][3], texels[2][3]], [7, TRIANGLE_EMITS, 2]);
+        let texels = triangle_texels(&sliver(), 7, 2.0);
+        assert_eq!([texels[0][3], texels[1][3], texels[2][3]], [7, TRIANGLE_EMITS, 2f32.to_bits()]);
         assert_eq!(surface_texel(&sliver())[3], 3);
     }
 }
