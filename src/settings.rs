@@ -1,6 +1,6 @@
 //! What a render is asked to do: checked values, from the command line and the scene's defaults. Every stage may read them.
 
-use crate::bvh::Builder;
+pub use crate::bvh::{Builder, Intersector};
 use crate::scene::{Filter, Scene};
 
 /// Settings of a render. Everything here is checked: ranges are those stated at the fields.
@@ -103,17 +103,6 @@ pub enum AccelKind {
     Binary,
     /// No tree.
     Brute,
-}
-
-/// Triangle test.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Intersector {
-    /// Watertight (Woop, Benthin and Wald 2013).
-    #[default]
-    Watertight,
-    /// Möller and Trumbore 1997: leaks at edges.
-    MollerTrumbore,
 }
 
 /// How light is gathered.

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::{ArgAction, Args};
 use texray::output::{Display, OutputFile, Picture, Tonemap, check_writable, write_whole};
-use texray::render::{Settings, StopReason};
+use texray::render::{Sampler, Settings, StopReason};
 use texray::scene::Scene;
 use texray::{Error, Result};
 
@@ -151,7 +151,7 @@ impl RenderArgs {
         rendered: &mut Rendered,
     ) -> Result<()> {
         let writing = Instant::now();
-        let relative_rmse = rendered.film.relative_rmse();
+        let relative_rmse = rendered.report.relative_rmse;
         // Stopped before the first sample: there is no picture to save.
         let files = if rendered.report.spp == 0 { &[] } else { files };
         if !files.is_empty() {
@@ -185,6 +185,9 @@ impl RenderArgs {
             let causes: Vec<_> = invalid.iter().map(|(cause, count)| format!("{count} {cause}")).collect();
             say(&format!("warning: invalid samples were left out: {}", causes.join(", ")));
         }
+        if report.buffers != facts.settings.buffers {
+            say("warning: a record is too large for this device's texel buffers: storage buffers are used");
+        }
         if facts.empty_pixels > 0 && report.spp > 0 {
             say(&format!("warning: {} pixels have no valid sample and are black", facts.empty_pixels));
         }
@@ -192,9 +195,10 @@ impl RenderArgs {
             return;
         }
         if self.running.verbose {
-            say(&rendered.ledger_table);
+            say(&rendered.report.tree.to_string());
+            say(rendered.ledger_table.trim_end());
         }
-        say(&summary(facts));
+        summary(facts).iter().for_each(|line| say(line));
         let reason = match report.stop_reason {
             StopReason::Spp => format!("done: all {} spp", report.spp),
             StopReason::Interrupted => format!("stopped by a signal at {} of {} spp", report.spp, facts.settings.spp),
@@ -205,26 +209,30 @@ impl RenderArgs {
 }
 
 /// What it cost and what it is worth. Error falls with the root of the samples, so half of it takes four times the time.
-fn summary(facts: &Facts) -> String {
+fn summary(facts: &Facts) -> [String; 2] {
     let report = facts.report;
     let error = match facts.relative_rmse {
         Some(error) if error > 0.0 => format!(
-            "estimated relative RMSE {} (half of it: {} spp, about {})",
+            "estimated relative RMSE {}; half of it takes {} spp, about {}",
             percent(error),
             u64::from(report.spp) * 4,
             duration(report.seconds.render * 4.0)
         ),
         Some(_) => "estimated relative RMSE 0 %".into(),
+        None if facts.settings.sampler == Sampler::Table => {
+            "error unknown: a table's replicates are not independent".into()
+        }
         None => "error unknown before two blocks of 16 spp".into(),
     };
     let speed = report.paths as f64 / report.seconds.render.max(1e-9) / 1e6;
-    format!(
-        "{}x{}, {} spp, at most {} bounces: {} rendering of {} in all, {speed:.2} Mpaths/s; {error}",
+    let work = format!(
+        "{}x{}, {} spp, {} bounces: {} of {} rendering, {speed:.2} Mpaths/s",
         facts.settings.width,
         facts.settings.height,
         report.spp,
         facts.settings.max_bounces,
         duration(report.seconds.render),
         duration(report.seconds.total),
-    )
+    );
+    [work, error]
 }

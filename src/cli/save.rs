@@ -82,7 +82,7 @@ pub fn metadata(
         .fixed("light_pick", name(&settings.light_pick))
         .fixed("hemisphere", name(&settings.hemisphere))
         .fixed("roulette", roulette_name(settings.roulette))
-        .fixed("buffers", name(&settings.buffers))
+        .fixed("buffers", name(&report.buffers))
         .fixed("effects", report.effects.join(" "))
         .fixed("device", &device.name)
         .fixed("driver", &device.driver)

@@ -1,14 +1,14 @@
 //! Stage 5: the frame loop.
 //!
 //! A run takes every pixel of the region through the same samples: tile by tile, and in a tile slice by slice, each
-//! dispatched until no path is left unfinished. A tile's open sums come back in a copy that overlaps the next slice's
+//! dispatched until no path is left unfinished. A tile's open sums come back in a copy that overlaps the next tile's first
 //! dispatch; when the run is whole they enter the film, as a closed block or as the open one. So every run boundary is a valid
 //! place to stop, and what a pixel computes depends on none of these sizes.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use crate::bvh::Accel;
+use crate::bvh::{Accel, TreeStats};
 use crate::error::{Error, Result};
 use crate::film::{Film, replicate_of_block};
 use crate::gpu::{
@@ -57,6 +57,14 @@ pub struct Renderer {
     open_sums: Vec<[u32; 4]>,
     ledger: Ledger,
     report: RenderReport,
+    estimate: EstimateClock,
+}
+
+/// What estimating the error has cost so far, and when it is due again, since the first dispatch.
+#[derive(Default)]
+struct EstimateClock {
+    cost: Duration,
+    due: Duration,
 }
 
 /// A copy of a tile's sums that is under way.
@@ -120,7 +128,7 @@ impl Renderer {
         let region_pixels = width as usize * height as usize;
         Ok(Renderer {
             constants: constants(scene, settings, &data, replicates),
-            report: empty_report(&effects, seconds, settings),
+            report: empty_report(&effects, seconds, settings, buffers, accel.stats(scene.triangles.len())),
             context: context.clone(),
             settings: settings.clone(),
             effects,
@@ -137,6 +145,7 @@ impl Renderer {
             run_sums: vec![[0; 4]; region_pixels],
             open_sums: vec![[0; 4]; region_pixels],
             ledger,
+            estimate: EstimateClock::default(),
         })
     }
 
@@ -155,8 +164,11 @@ impl Renderer {
             self.commit(done, samples)?;
             done += samples;
             self.run_length.note(samples, run_start.elapsed());
+            self.estimate_error(start.elapsed());
             self.tell(done, 0, start, observer);
         }
+        self.estimate.due = Duration::ZERO;
+        self.estimate_error(start.elapsed());
         self.report.spp = done;
         self.report.seconds.render = start.elapsed().as_secs_f64();
         self.report.bytes = Bytes {
@@ -313,6 +325,17 @@ impl Renderer {
         Ok(())
     }
 
+    /// Estimates the error, if it is time: the estimate reads the whole film, and shall cost less than 2 % of the render.
+    fn estimate_error(&mut self, elapsed: Duration) {
+        if self.settings.sampler == Sampler::Table || elapsed < self.estimate.due {
+            return;
+        }
+        let start = Instant::now();
+        self.report.relative_rmse = self.film.relative_rmse();
+        self.estimate.cost += start.elapsed();
+        self.estimate.due = elapsed.max(self.estimate.cost * 50);
+    }
+
     fn tell(&self, spp_done: u32, extra_samples: u64, start: Instant, observer: &mut dyn Observer) {
         let pixels = self.film.pixels() as f64;
         let all = pixels * f64::from(self.settings.spp);
@@ -322,7 +345,7 @@ impl Renderer {
             fraction: ((pixels * f64::from(spp_done) + extra_samples as f64) / all).min(1.0),
             paths: self.report.paths,
             seconds: start.elapsed().as_secs_f64(),
-            relative_rmse: None,
+            relative_rmse: self.report.relative_rmse,
         });
     }
 }
@@ -354,7 +377,13 @@ fn constants(scene: &Scene, settings: &Settings, data: &TexelData, replicates: u
     }
 }
 
-fn empty_report(effects: &Effects, seconds: StageSeconds, settings: &Settings) -> RenderReport {
+fn empty_report(
+    effects: &Effects,
+    seconds: StageSeconds,
+    settings: &Settings,
+    buffers: Buffers,
+    tree: TreeStats,
+) -> RenderReport {
     let pairs = u64::from(settings.spp) * u64::from(PAIRS_PER_BOUNCE) * (1 + u64::from(settings.max_bounces));
     RenderReport {
         spp: 0,
@@ -364,6 +393,9 @@ fn empty_report(effects: &Effects, seconds: StageSeconds, settings: &Settings) -
         rays: 0,
         node_visits: 0,
         triangle_tests: 0,
+        buffers,
+        relative_rmse: None,
+        tree,
         effects: effects.names(),
         invalid_samples: INVALID_CAUSES.iter().map(|&(cause, _)| (cause, 0)).collect(),
         table_wraps: match settings.sampler {

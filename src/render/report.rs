@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::bvh::TreeStats;
+use crate::settings::Buffers;
+
 /// State of a render at a run boundary or between two slices of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
@@ -88,6 +91,13 @@ pub struct RenderReport {
     pub node_visits: u64,
     /// Triangle tests of all rays.
     pub triangle_tests: u64,
+    /// How the records were bound: storage buffers where one is too large for the device's texel buffers.
+    pub buffers: Buffers,
+    /// Estimated relative RMSE of the picture; `None` before every pixel has two blocks, and for the `table` sampler, whose
+    /// replicates share one table and are not independent.
+    pub relative_rmse: Option<f64>,
+    /// Figures of the tree.
+    pub tree: TreeStats,
     /// Names of the effects that were on.
     pub effects: Vec<&'static str>,
     /// Samples left out, by cause (`nan`, `infinite`, `negative`), every cause listed.
