@@ -59,8 +59,9 @@ pub struct RunLength {
     fixed: bool,
 }
 
-/// A run should not take longer than this, so that the last whole picture is never older.
-const RUN_TARGET: Duration = Duration::from_secs(4);
+/// A run should not take longer than this, so that the last whole picture is never older. Longer runs are faster: lanes that
+/// finish early wait for their neighbours at the end of each (docs/performance.md).
+const RUN_TARGET: Duration = Duration::from_secs(10);
 
 impl RunLength {
     /// Starts at one sample; `fixed` pins the length, for tests.
