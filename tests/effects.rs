@@ -10,7 +10,7 @@ use texray::render::{Settings, Tuning};
 use texray::scene::{Filter, Scene};
 
 fn small(scene: &Scene) -> Settings {
-    Settings { width: 32, height: 24, spp: 3, ..Settings::for_scene(scene) }
+    Settings { width: 25, height: 19, spp: 2, ..Settings::for_scene(scene) }
 }
 
 #[test]

@@ -10,15 +10,16 @@ use texray::bvh::Builder;
 use texray::render::{Settings, Tuning};
 use texray::settings::{AccelKind, Buffers, Sampler};
 
-fn small(name: &str, spp: u32) -> (texray::scene::Scene, Settings) {
+/// A scene of the repository with its own defaults, small: no number of pixels is a multiple of the workgroup's 8.
+fn small(name: &str, [width, height]: [u32; 2], spp: u32) -> (texray::scene::Scene, Settings) {
     let scene = load(name);
-    let settings = Settings { width: 40, height: 30, spp, ..Settings::for_scene(&scene) };
+    let settings = Settings { width, height, spp, ..Settings::for_scene(&scene) };
     (scene, settings)
 }
 
 #[test]
 fn two_renders_are_the_same_and_another_seed_differs() {
-    let (scene, settings) = small("cornell-glass", 5);
+    let (scene, settings) = small("cornell-glass", [33, 25], 5);
     let first = bits(&render(&scene, &settings));
     assert_same(&first, &bits(&render(&scene, &settings)), "second render");
     assert_ne!(first, bits(&render(&scene, &Settings { seed: 1, ..settings })));
@@ -26,7 +27,7 @@ fn two_renders_are_the_same_and_another_seed_differs() {
 
 #[test]
 fn budgets_do_not_show() {
-    let (scene, settings) = small("cornell-glass", 3);
+    let (scene, settings) = small("cornell-glass", [17, 13], 2);
     let reference = bits(&render(&scene, &settings));
     for accel in [AccelKind::Wide, AccelKind::Binary, AccelKind::Brute] {
         for budget in [64, 1000, 8191] {
@@ -41,9 +42,9 @@ fn budgets_do_not_show() {
 #[test]
 fn tiles_and_runs_do_not_show() {
     // 35 samples: two closed blocks and an open one.
-    let (scene, settings) = small("cornell-mirror", 35);
+    let (scene, settings) = small("cornell-mirror", [26, 21], 35);
     let reference = bits(&render(&scene, &settings));
-    for tile in [[40, 30], [40, 7], [9, 30], [13, 11]] {
+    for tile in [[26, 21], [26, 7], [9, 21], [13, 11]] {
         for run_samples in [None, Some(1), Some(3), Some(16)] {
             let tuning = Tuning { tile: Some(tile), run_samples, ..Tuning::default() };
             let picture = bits(&render_tuned(&scene, &settings, &tuning));
@@ -54,7 +55,7 @@ fn tiles_and_runs_do_not_show() {
 
 #[test]
 fn refill_thresholds_do_not_show() {
-    let (scene, settings) = small("cornell-glass", 4);
+    let (scene, settings) = small("cornell-glass", [33, 25], 4);
     let reference = bits(&render(&scene, &settings));
     for eighths in [0, 4, 8] {
         let tuning = Tuning { refill_eighths: Some(eighths), ..Tuning::default() };
@@ -64,7 +65,7 @@ fn refill_thresholds_do_not_show() {
 
 #[test]
 fn a_crop_is_that_part_of_the_picture() {
-    let (scene, settings) = small("cornell-box", 20);
+    let (scene, settings) = small("cornell-box", [40, 30], 20);
     let whole = bits(&render(&scene, &settings));
     for [x, y, width, height] in [[0, 0, 40, 30], [7, 3, 11, 13], [39, 29, 1, 1], [0, 12, 40, 1]] {
         let crop = Settings { crop: Some([x, y, width, height]), ..settings.clone() };
@@ -77,7 +78,7 @@ fn a_crop_is_that_part_of_the_picture() {
 #[test]
 fn trees_builders_and_buffer_kinds_do_not_show() {
     for name in ["cornell-box", "cornell-coplanar", "room", "teapot"] {
-        let (scene, settings) = small(name, 2);
+        let (scene, settings) = small(name, [29, 22], 1);
         let reference = bits(&render(&scene, &settings));
         for accel in [AccelKind::Wide, AccelKind::Binary, AccelKind::Brute] {
             for builder in [Builder::Sah, Builder::Median] {
@@ -96,7 +97,7 @@ fn trees_builders_and_buffer_kinds_do_not_show() {
 
 #[test]
 fn samplers_repeat_and_differ() {
-    let (scene, settings) = small("cornell-box", 17);
+    let (scene, settings) = small("cornell-box", [33, 25], 17);
     let picture = |sampler| bits(&render(&scene, &Settings { sampler, ..settings.clone() }));
     let pictures = [Sampler::Sobol, Sampler::Independent, Sampler::Table].map(picture);
     assert_same(&pictures[2], &picture(Sampler::Table), "table again");
