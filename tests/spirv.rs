@@ -166,7 +166,7 @@ fn push_constants_stand_at_the_contracts_offsets() {
     let offsets: BTreeMap<u32, u32> = members(&module.annotations, Op::MemberDecorate)
         .iter()
         .filter(|a| a.operands[2] == Operand::Decoration(Decoration::Offset))
-        .map(|a| (a.operands[1].unwrap_literal_bit32(), a.operands[3].unwrap_bit32()))
+        .map(|a| (a.operands[1].unwrap_literal_bit32(), a.operands[3].unwrap_literal_bit32()))
         .collect();
     let mut found: Vec<(String, u32)> = members(&module.debug_names, Op::MemberName)
         .iter()

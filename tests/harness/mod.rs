@@ -5,7 +5,9 @@
 
 pub mod comparison;
 pub mod device;
+
 pub mod distributions;
+pub mod draws;
 pub mod golden;
 pub mod obj;
 pub mod probe;

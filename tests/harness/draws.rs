@@ -1,0 +1,96 @@
+//! Calls of the sampling probe (`glsl/probe_sampling.comp`): the renderer's own random numbers and warps, one texel a call.
+
+use texray::bvh::Accel;
+use texray::gpu::shaders;
+use texray::interface::{SAMPLER_INDEPENDENT, SAMPLER_SOBOL, SAMPLER_TABLE, SPEC_SAMPLER};
+use texray::scene::{Filter, Scene};
+use texray::settings::{Buffers, LightPick, Sampler, Settings};
+use texray::texels::{Texel, TexelData};
+
+use super::distributions::normal_two_sided;
+use super::probe::Probe;
+use super::scenes::{SceneBuilder, camera};
+use super::statistics::{Verdict, chi_square_test};
+
+/// Functions of the probe.
+pub const RANDOM_SET: u32 = 0;
+pub const UNIT_FLOAT: u32 = 1;
+pub const COSINE_HEMISPHERE: u32 = 2;
+pub const UNIFORM_HEMISPHERE: u32 = 3;
+pub const SQUARE_TO_TRIANGLE: u32 = 4;
+pub const FILTER_OFFSET: u32 = 5;
+pub const FRESNEL: u32 = 6;
+pub const MAKE_BASIS: u32 = 7;
+pub const POWER_HEURISTIC: u32 = 8;
+pub const PICK_LIGHT: u32 = 9;
+
+/// Replicates of the probe's draws, as `harness/probe.rs` sets them.
+pub const REPLICATES: u32 = 4;
+
+/// Calls a function over the records of `scene`.
+pub fn call(scene: &Scene, sampler: Sampler, filter: Filter, function: u32, input: &[Texel]) -> Vec<Texel> {
+    let accel = Accel::brute();
+    let settings = Settings { sampler, filter, light_pick: LightPick::Power, ..Settings::for_scene(scene) };
+    let data = TexelData::pack(scene, &accel, &settings).expect("the scene can be packed");
+    let value = match sampler {
+        Sampler::Sobol => SAMPLER_SOBOL,
+        Sampler::Independent => SAMPLER_INDEPENDENT,
+        Sampler::Table => SAMPLER_TABLE,
+    };
+    let probe = Probe {
+        spirv: shaders::PROBE_SAMPLING,
+        data: &data,
+        accel: &accel,
+        buffers: Buffers::Texel,
+        specialization: vec![(SPEC_SAMPLER, value)],
+        function,
+        calls: input.len() as u32,
+        input,
+        output_texels: 1,
+    };
+    probe.run()
+}
+
+/// A scene of nothing.
+pub fn nothing() -> Scene {
+    SceneBuilder::new().finish(camera([0.0; 3], [0.0, 0.0, 1.0], 40.0), Some([1.0; 3]))
+}
+
+/// Calls a function of floats.
+pub fn call_floats(function: u32, input: &[[f32; 4]]) -> Vec<[f32; 4]> {
+    let input: Vec<Texel> = input.iter().map(|call| call.map(f32::to_bits)).collect();
+    let answers = call(&nothing(), Sampler::Independent, Filter::Box, function, &input);
+    answers.into_iter().map(|answer| answer.map(f32::from_bits)).collect()
+}
+
+/// The words of sets of random numbers: of pixel (x, y), sample, set.
+pub fn sets(sampler: Sampler, questions: impl IntoIterator<Item = ([u32; 2], u32, u32)>) -> Vec<[u32; 4]> {
+    let question = |([x, y], sample, set): ([u32; 2], u32, u32)| [x | y << 16, sample, set, 0];
+    let input: Vec<Texel> = questions.into_iter().map(question).collect();
+    call(&nothing(), sampler, Filter::Box, RANDOM_SET, &input)
+}
+
+/// The number that a word stands for.
+pub fn unit(word: u32) -> f64 {
+    f64::from(word >> 8) / f64::from(1 << 24)
+}
+
+/// Correlation of pairs of numbers uniform in [0, 1), as a z: r √n is standard normal where they are independent.
+pub fn correlation(pairs: impl IntoIterator<Item = (f64, f64)>) -> Verdict {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (a, b) in pairs {
+        sum += (a - 0.5) * (b - 0.5) * 12.0;
+        count += 1.0;
+    }
+    let z = sum / f64::sqrt(count);
+    Verdict { statistic: z, p: normal_two_sided(z) }
+}
+
+/// Chi-square of pairs in [0, 1)² over `side` x `side` equal cells.
+pub fn uniform_square(pairs: impl IntoIterator<Item = (f64, f64)>, side: usize) -> Verdict {
+    let mut counts = vec![0.0; side * side];
+    let cell = |value: f64| ((value * side as f64) as usize).min(side - 1);
+    pairs.into_iter().for_each(|(a, b)| counts[cell(a) * side + cell(b)] += 1.0);
+    let expected = counts.iter().sum::<f64>() / counts.len() as f64;
+    chi_square_test(&counts, &vec![expected; side * side])
+}
