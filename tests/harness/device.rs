@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use texray::gpu::{Context, ContextOptions};
+use texray::interface::BLOCK_SAMPLES;
 use texray::render::{Observer, Progress, Rendered, Renderer, Tuning};
 use texray::scene::Scene;
 use texray::settings::{Lights, Roulette, Sampler, Settings};
@@ -82,25 +83,17 @@ pub fn assert_same(a: &[[u32; 3]], b: &[[u32; 3]], what: &str) {
     }
 }
 
-/// Mean and variance of the mean in scaled radiance, from renders with `seeds` different seeds: statistically independent
-/// whatever the sampler.
-pub fn estimate(scene: &Scene, settings: &Settings, seeds: u64) -> Estimate {
+/// Mean and variance of the mean in scaled radiance, from one render of as many replicates as there are blocks, up to 64.
+/// True for independent samples; replicates of a Sobol' sequence are independent too.
+pub fn estimate(scene: &Scene, settings: &Settings) -> Estimate {
+    let replicates = Some((settings.spp / BLOCK_SAMPLES).clamp(2, 64));
+    let rendered = render(scene, &Settings { replicates, ..settings.clone() });
+    assert!(rendered.report.invalid_samples.values().all(|&count| count == 0), "samples were left out");
+    let estimate = rendered.film.estimate();
     let scale = 2f64.powi(scene.scaling.radiance_exponent);
-    let pictures: Vec<Vec<[f32; 3]>> = (0..seeds)
-        .map(|seed| render(scene, &Settings { seed: settings.seed + seed, ..settings.clone() }).film.mean())
-        .collect();
-    let count = seeds as f64;
-    let channel = |pixel: usize, channel: usize| {
-        let values = pictures.iter().map(|picture| f64::from(picture[pixel][channel]) * scale);
-        let mean = values.clone().sum::<f64>() / count;
-        let squares: f64 = values.map(|value| (value - mean).powi(2)).sum();
-        (mean, squares / (count - 1.0) / count)
-    };
-    let pixels = pictures[0].len();
-    let both: Vec<[(f64, f64); 3]> = (0..pixels).map(|pixel| std::array::from_fn(|c| channel(pixel, c))).collect();
     Estimate {
-        mean: both.iter().map(|pixel| pixel.map(|(mean, _)| mean)).collect(),
-        variance_of_mean: both.iter().map(|pixel| pixel.map(|(_, variance)| variance)).collect(),
+        mean: estimate.mean.iter().map(|rgb| rgb.map(|value| f64::from(value) * scale)).collect(),
+        variance_of_mean: estimate.variance.iter().map(|rgb| rgb.map(|value| value * scale * scale)).collect(),
     }
 }
 
