@@ -167,11 +167,16 @@ fn a_crop_is_that_part_of_the_whole() {
 }
 
 #[test]
-fn ledger_is_json() {
+fn the_ledger_and_the_document_agree_on_bytes() {
     let folder = folder();
-    json(folder.path(), &["render", "room.toml", "--json", "-o", "a.exr", "--ledger", "ledger.json"]);
+    let arguments = ["render", "room.toml", "--json", "-o", "a.exr", "--ledger", "ledger.json"];
+    let document = json(folder.path(), &arguments);
     let ledger: Value = serde_json::from_slice(&fs::read(folder.path().join("ledger.json")).unwrap()).unwrap();
-    assert!(!ledger.is_null());
+    for (total, key) in [("bytes_up", "uploaded"), ("bytes_down", "read_back")] {
+        assert!(ledger[total].as_u64().is_some_and(|bytes| bytes > 0), "{ledger:#}");
+        assert_eq!(ledger[total], document["bytes"][key], "{total}");
+    }
+    assert!(ledger["entries"].as_array().unwrap().iter().any(|entry| entry["direction"] == "absent"), "{ledger:#}");
 }
 
 #[test]
