@@ -185,7 +185,7 @@ impl Renderer {
         let mut pixels_done = 0;
         for index in 0..self.tiles.len() {
             let tile = self.tiles[index];
-            if self.tiles.len() > 1 && first % BLOCK_SAMPLES != 0 {
+            if self.tiles.len() > 1 && !first.is_multiple_of(BLOCK_SAMPLES) {
                 self.upload_open_sums(tile)?;
             }
             let mut row = 0;
@@ -315,7 +315,7 @@ impl Renderer {
         let end = first + samples;
         let replicate = replicate_of_block(first / BLOCK_SAMPLES, self.constants.replicates);
         let whole = [0, 0, self.film.width(), self.film.height()];
-        if end % BLOCK_SAMPLES == 0 {
+        if end.is_multiple_of(BLOCK_SAMPLES) {
             self.film.add_block(replicate, whole, &self.run_sums)?;
         } else {
             self.film.set_open(replicate, whole, &self.run_sums)?;
