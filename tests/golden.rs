@@ -105,7 +105,7 @@ fn random_scene(seed: u64) -> Scene {
         let [x, z, size] = [at + 0.1 * random.next(), 0.8 * random.next() - 0.5, 0.2 + 0.12 * random.next()];
         match (seed + i as u64) % 3 {
             0 => builder.sphere([x, -0.95 + size, z], size, 0, body, true),
-            1 => builder.sphere([x, -0.95 + size, z], size, 1, body, seed % 2 == 0),
+            1 => builder.sphere([x, -0.95 + size, z], size, 1, body, seed.is_multiple_of(2)),
             _ => {
                 builder.cuboid([x - size, -0.98, z - size], [x + size * 0.8, -1.0 + 2.0 * size, z + size], body, false)
             }

@@ -129,15 +129,26 @@ proptest! {
     }
 }
 
-/// Every tree finds what brute force finds, bit for bit, over 1.1 million rays and both intersectors.
 #[test]
 fn no_tree_changes_any_hit() {
+    no_mismatch(34_000, 0);
+}
+
+/// The same over 1.2 million rays of another seed: some two minutes on two cores.
+#[test]
+#[ignore = "study: mismatches over 1.2 million rays"]
+fn no_tree_changes_any_of_a_million_hits() {
+    no_mismatch(140_000, 1_000);
+}
+
+/// Every tree finds what brute force finds, bit for bit, over eight times `rays_a_mesh` rays and more, by both intersectors.
+fn no_mismatch(rays_a_mesh: usize, seed: u64) {
     let mut total = (0usize, 0usize);
     for (index, (name, triangles)) in hard_meshes().into_iter().enumerate() {
         let emits = |id: u32| id % 7 == 3;
         let accels = accels(&triangles);
-        let count = if triangles.len() < 3 { 2_000 } else { 140_000 };
-        let rays = rays(&triangles, &accels[2], count, index as u64);
+        let count = if triangles.len() < 3 { 2_000 } else { rays_a_mesh };
+        let rays = rays(&triangles, &accels[2], count, seed + index as u64);
         for intersector in [Intersector::Watertight, Intersector::MollerTrumbore] {
             let tracers: Vec<Tracer> =
                 accels.iter().map(|accel| Tracer::new(accel, &triangles, emits, intersector)).collect();
@@ -149,7 +160,7 @@ fn no_tree_changes_any_hit() {
         }
     }
     println!("{} rays, {} hits, 0 mismatches", total.0, total.1);
-    assert!(total.0 > 1_000_000 && total.1 > total.0 / 4, "{total:?}");
+    assert!(total.0 > 8 * rays_a_mesh && total.1 > total.0 / 4, "{total:?}");
 }
 
 /// Compares all tracers with the first on one ray, occlusion too where asked; returns 1 for a hit.
