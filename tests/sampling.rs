@@ -6,9 +6,10 @@
 
 mod harness;
 
+use harness::distributions::chi_square_upper;
 use harness::draws::{REPLICATES, UNIT_FLOAT, call, correlation, nothing, sets, uniform_square, unit};
 use harness::random::Random;
-use harness::statistics::{Moments, chi_square_test, z_test};
+use harness::statistics::{FAMILY_ALPHA, Moments, chi_square_test, sidak, z_test};
 use texray::interface::{BLOCK_SAMPLES, RANDOM_TABLE_TEXELS};
 use texray::scene::Filter;
 use texray::settings::Sampler;
@@ -163,6 +164,38 @@ fn independent_samples_of_one_pixel_are_uniform_and_independent() {
             // Every second pair, so that no number is in two of them.
             let apart = pairs().enumerate().filter(|(i, _)| i / lag % 2 == 0).map(|(_, pair)| pair);
             uniform_square(apart, 64).assert(&format!("dimension {dimension}, square, {lag} samples on"), TESTS);
+        }
+    }
+}
+
+/// Means over a picture of 64 x 64 pixels scatter as those of independent numbers do: the squares of 256 such means, in units of
+/// their standard error, are chi-square. A sum over pixels finds what a test of neighbours cannot: weak correlations of many.
+#[test]
+fn means_over_a_picture_scatter_as_they_should() {
+    const SIDE: u32 = 64;
+    for sampler in [Sampler::Sobol, Sampler::Independent] {
+        // 64 blocks' first samples: of Sobol' sequences those of the four replicates are independent.
+        let samples = if sampler == Sampler::Sobol { REPLICATES } else { 64 };
+        let sets_of_numbers = 256 / samples;
+        let mut squares = [0.0; 5];
+        for set in 0..sets_of_numbers {
+            let question = |call: u32| ([call % SIDE, call / SIDE % SIDE], call / (SIDE * SIDE) * BLOCK_SAMPLES, set);
+            let words = sets(sampler, (0..SIDE * SIDE * samples).map(question));
+            for picture in words.chunks_exact((SIDE * SIDE) as usize) {
+                let mut sums = [0.0; 5];
+                for words in picture {
+                    let centred = words.map(|word| (unit(word) - 0.5) * 12f64.sqrt());
+                    sums[..4].iter_mut().zip(centred).for_each(|(sum, value)| *sum += value);
+                    sums[4] += centred.iter().product::<f64>();
+                }
+                squares.iter_mut().zip(sums).for_each(|(square, sum)| *square += sum * sum / f64::from(SIDE * SIDE));
+            }
+        }
+        for (what, square) in ["x", "y", "z", "w", "product"].iter().zip(squares) {
+            // Both tails: too even is as wrong as too uneven.
+            let upper = chi_square_upper(square, 256.0);
+            println!("{sampler:?}, {what}: {square:.1} for 256 ± 22.6");
+            assert!(upper.min(1.0 - upper) * 2.0 > sidak(FAMILY_ALPHA, TESTS), "{sampler:?}, {what}: {square} for 256");
         }
     }
 }
