@@ -12,7 +12,8 @@ use texray::bvh::{Accel, BinaryBvh, Builder, WideBvh};
 use texray::gpu::shaders;
 use texray::interface::*;
 use texray::scene::Scene;
-use texray::settings::{Buffers, Settings};
+use texray::settings::{Buffers, LightPick, Settings};
+use texray::texels::light::build_lights;
 use texray::texels::{Texel, TexelData, camera, triangle};
 
 /// Texels that the probe writes a record.
@@ -27,6 +28,7 @@ fn fetched(scene: &Scene, accel: &Accel, buffers: Buffers, binding: u32, count: 
         buffers,
         specialization: Vec::new(),
         function: binding,
+        first_sample: 0,
         calls: count as u32,
         input: &[],
         output_texels: FIELDS as u32,
@@ -114,25 +116,18 @@ fn triangles_surfaces_and_corners_in_leaf_order() {
     for accel in trees(&scene) {
         let order = accel.order(scene.triangles.len());
         let in_order = || order.iter().map(|&id| (id, &scene.triangles[id as usize]));
-        // Lights are numbered in file order, one an emitting triangle.
-        let mut lights = 0;
-        let light_of: Vec<u32> = scene
-            .triangles
-            .iter()
-            .map(|triangle| {
-                let emits = scene.materials[triangle.material as usize].emits();
-                lights += u32::from(emits);
-                if emits { lights - 1 } else { NO_INDEX }
-            })
-            .collect();
-        assert!(lights > 0);
+        // How densities come about is held against what is drawn in tests/warps.rs.
+        let densities = build_lights(&scene, &order, LightPick::Power).expect("few lights").pdf_area;
+        let emits = |id: &usize| scene.materials[scene.triangles[*id].material as usize].emits();
+        assert!(densities.iter().enumerate().all(|(id, &density)| (density > 0.0) == emits(&id)));
+        assert!(densities.iter().any(|&density| density > 0.0));
         let triangles: Vec<_> = in_order()
             .map(|(id, triangle)| {
-                let light = light_of[id as usize];
-                let emits = if light == NO_INDEX { 0 } else { TRIANGLE_EMITS };
+                let density = densities[id as usize];
+                let emits = if density > 0.0 { TRIANGLE_EMITS } else { 0 };
                 let smooth = if triangle.corners == NO_INDEX { 0 } else { TRIANGLE_SMOOTH };
                 let [v0, v1, v2] = triangle.positions.map(|position| position.to_array());
-                padded(&[word(v0, id), word(v1, emits | smooth), word(v2, light)])
+                padded(&[word(v0, id), word(v1, emits | smooth), word(v2, density.to_bits())])
             })
             .collect();
         check(&scene, &accel, BINDING_TRIANGLES, &triangles, "triangle");
@@ -170,10 +165,10 @@ fn materials_of_every_kind() {
                 MaterialKind::Mirror { reflectance } => (MATERIAL_MIRROR, 1.0, reflectance),
                 MaterialKind::Glass { ior } => (MATERIAL_GLASS, ior, [1.0f32; 3]),
             };
-            padded(&[[kind, f32::to_bits(ior), 0, 0], word(reflectance, 0), word(material.emission, 0)])
+            padded(&[word(reflectance, kind), word(material.emission, f32::to_bits(ior))])
         };
         let expected: Vec<_> = scene.materials.iter().map(record).collect();
-        assert!(expected.iter().any(|record| record[0][0] == kind), "{name} has no such material");
+        assert!(expected.iter().any(|record| record[0][3] == kind), "{name} has no such material");
         check(&scene, &Accel::brute(), BINDING_MATERIALS, &expected, "material");
     }
 }
@@ -188,8 +183,20 @@ fn lights_the_camera_and_the_filter() {
     let emitters: Vec<u32> = (0..scene.triangles.len() as u32)
         .filter(|&id| scene.materials[scene.triangles[id as usize].material as usize].emits())
         .collect();
-    assert_eq!(data.lights.iter().map(|light| light[1]).collect::<Vec<_>>(), emitters);
-    let lights: Vec<_> = data.lights.iter().map(|&light| padded(&[light])).collect();
+    let packed = data.lights.as_chunks::<5>().0;
+    assert_eq!(packed.len(), emitters.len());
+    let lights: Vec<_> = emitters
+        .iter()
+        .zip(packed)
+        .map(|(&id, packed)| {
+            let triangle = &scene.triangles[id as usize];
+            let [v0, v1, v2] = triangle.positions.map(|position| position.to_array());
+            let normal = triangle::geometric_normal(triangle).as_vec3().to_array();
+            let emission = scene.materials[triangle.material as usize].emission;
+            let (end, density) = (packed[0][3], packed[2][3]);
+            padded(&[word(v0, end), word(v1, id), word(v2, density), word(normal, end), word(emission, 0)])
+        })
+        .collect();
     check(&scene, &accel, BINDING_LIGHTS, &lights, "light");
 
     let basis = scene.camera.basis(settings.height);
@@ -218,7 +225,7 @@ fn odd_bit_patterns_survive() {
     }
     let record = |material: &texray::scene::Material| {
         let texray::scene::MaterialKind::Lambert { albedo } = material.kind else { unreachable!("all are Lambert") };
-        padded(&[[MATERIAL_LAMBERT, 1f32.to_bits(), 0, 0], word(albedo, 0), word(material.emission, 0)])
+        padded(&[word(albedo, MATERIAL_LAMBERT), word(material.emission, 1f32.to_bits())])
     };
     let expected: Vec<_> = odd.materials.iter().map(record).collect();
     assert!(expected.len() * 3 >= patterns.len());

@@ -1,16 +1,16 @@
 //! Rung 4, random numbers: drawn by the renderer's own functions (`glsl/probe_sampling.comp`).
 //!
-//! Exact: no float reaches 1; Sobol' sets are stratified; sets, replicates, pixels and samplers differ. Stochastic: moments,
+//! Exact: no float reaches 1; Sobol' pairs are stratified; pairs, replicates, pixels and samplers differ. Stochastic: moments,
 //! correlations and chi-square at fixed seeds, each verdict one of fewer than [`TESTS`] at a false-alarm rate of 1e-6 for
 //! all (|z| <= 6.1). Sobol' points of one sequence are not independent, so they are judged across pixels, whose scrambles are.
 
 mod harness;
 
 use harness::distributions::chi_square_upper;
-use harness::draws::{REPLICATES, UNIT_FLOAT, call, correlation, nothing, sets, uniform_square, unit};
+use harness::draws::{REPLICATES, UNIT_FLOAT, call, correlation, nothing, pairs, uniform_square, unit};
 use harness::random::Random;
 use harness::statistics::{FAMILY_ALPHA, Moments, chi_square_test, sidak, z_test};
-use texray::interface::{BLOCK_SAMPLES, RANDOM_TABLE_TEXELS};
+use texray::interface::RANDOM_TABLE_TEXELS;
 use texray::scene::Filter;
 use texray::settings::Sampler;
 use texray::texels::Texel;
@@ -36,28 +36,15 @@ fn no_float_reaches_one() {
     }
 }
 
-/// The number of the `i`-th sample of a replicate among the pixel's samples.
-fn sample_of(replicate: u32, i: u32) -> u32 {
-    (i / BLOCK_SAMPLES * REPLICATES + replicate) * BLOCK_SAMPLES + i % BLOCK_SAMPLES
-}
-
 #[test]
-fn sobol_sets_are_stratified_in_every_dimension() {
+fn sobol_pairs_are_nets() {
     const MOST: u32 = 16 << 6;
-    for (pixel, replicate, set) in [([0, 0], 0, 0), ([3, 5], 1, 1), ([639, 479], 3, 2), ([65_535, 65_535], 2, 17)] {
-        let points = sets(Sampler::Sobol, (0..4 * MOST).map(|i| (pixel, sample_of(replicate, i), set)));
+    for (pixel, replicate, pair) in [([0, 0], 0, 0), ([3, 5], 1, 1), ([639, 479], 3, 2), ([65_535, 65_535], 2, 17)] {
+        let points = pairs(Sampler::Sobol, replicate, (0..4 * MOST).map(|i| (pixel, i, pair)));
         for samples in (0..=6).map(|k| 16usize << k) {
-            // The first of them, and a later aligned stretch: one point in each of `samples` equal parts.
+            // The first of them, and a later aligned stretch.
             for stretch in [&points[..samples], &points[3 * samples..4 * samples]] {
-                for dimension in 0..4 {
-                    let mut seen = vec![0; samples];
-                    stretch.iter().for_each(|point| seen[(point[dimension] as usize * samples) >> 32] += 1);
-                    assert!(
-                        seen.iter().all(|&n| n == 1),
-                        "{pixel:?} {replicate} {set}: {samples}, dimension {dimension}"
-                    );
-                }
-                // The first two dimensions are a (0, m, 2)-net: one point in each cell of every grid of that many cells.
+                // A (0, m, 2)-net: one point in each cell of every grid of that many cells, a column or row each included.
                 for columns in (0..=samples.ilog2()).map(|bits| 1usize << bits) {
                     let rows = samples / columns;
                     let mut seen = vec![0; samples];
@@ -65,22 +52,22 @@ fn sobol_sets_are_stratified_in_every_dimension() {
                         let [column, row] = [point[0] as usize * columns, point[1] as usize * rows].map(|v| v >> 32);
                         seen[column * rows + row] += 1;
                     }
-                    assert!(seen.iter().all(|&n| n == 1), "{pixel:?} {replicate} {set}: {columns} x {rows}");
+                    assert!(seen.iter().all(|&n| n == 1), "{pixel:?} {replicate} {pair}: {columns} x {rows}");
                 }
             }
         }
     }
     // Control: independent numbers are not stratified.
-    let points = sets(Sampler::Independent, (0..16).map(|i| ([0, 0], sample_of(0, i), 0)));
+    let points = pairs(Sampler::Independent, 0, (0..16).map(|i| ([0, 0], i, 0)));
     let mut seen = [0; 16];
     points.iter().for_each(|point| seen[(point[0] >> 28) as usize] += 1);
     assert!(seen.iter().any(|&n| n != 1));
 }
 
 #[test]
-fn pixels_replicates_sets_and_samplers_have_numbers_of_their_own() {
+fn pixels_replicates_and_pairs_have_numbers_of_their_own() {
     for sampler in [Sampler::Sobol, Sampler::Independent, Sampler::Table] {
-        let of = |pixel, replicate, set| sets(sampler, (0..256).map(|i| (pixel, sample_of(replicate, i), set)));
+        let of = |pixel, replicate, pair| pairs(sampler, replicate, (0..256).map(|i| (pixel, i, pair)));
         let streams = [
             of([7, 9], 0, 0),
             of([8, 9], 0, 0),
@@ -92,7 +79,7 @@ fn pixels_replicates_sets_and_samplers_have_numbers_of_their_own() {
         for (i, a) in streams.iter().enumerate() {
             for b in &streams[..i] {
                 let equal = a.iter().flatten().zip(b.iter().flatten()).filter(|(a, b)| a == b).count();
-                // 1,024 pairs of words: one equal pair has a chance of 2.4e-7.
+                // 512 pairs of words: one equal pair has a chance of 1.2e-7.
                 assert_eq!(equal, 0, "{sampler:?}: two streams share numbers");
             }
         }
@@ -101,8 +88,8 @@ fn pixels_replicates_sets_and_samplers_have_numbers_of_their_own() {
 }
 
 /// Draws of one sample across `side` x `side` pixels.
-fn across(sampler: Sampler, side: u32, sample: u32, set: u32) -> Vec<[u32; 4]> {
-    sets(sampler, (0..side * side).map(|i| ([i % side, i / side], sample, set)))
+fn across(sampler: Sampler, side: u32, index: u32, pair: u32) -> Vec<[u32; 2]> {
+    pairs(sampler, 0, (0..side * side).map(|i| ([i % side, i / side], index, pair)))
 }
 
 #[test]
@@ -110,9 +97,9 @@ fn numbers_across_pixels_are_uniform_and_independent() {
     // 2^18 pixels. The table has 2^18 entries, drawn with replacement: with 2^12 pixels that inflates variances by 1.6 %.
     for (sampler, side, cells) in [(Sampler::Sobol, 512, 64), (Sampler::Independent, 512, 64), (Sampler::Table, 64, 16)]
     {
-        let sets = [(0, 0), (1, 0), (0, 1), (0, 2)].map(|(sample, set)| across(sampler, side, sample, set));
-        let [first, next_sample, next_set, second_set] = &sets;
-        for (dimension, words) in (0..4).map(|d| (d, first.iter().map(move |words| words[d]))) {
+        let draws = [(0, 0), (1, 0), (0, 1), (0, 2)].map(|(index, pair)| across(sampler, side, index, pair));
+        let [first, next_sample, next_pair, second_pair] = &draws;
+        for (dimension, words) in (0..2).map(|d| (d, first.iter().map(move |words| words[d]))) {
             let what = |what: &str| format!("{sampler:?}, dimension {dimension}: {what}");
             let numbers = || words.clone().map(unit);
             let count = f64::from(side * side);
@@ -121,7 +108,7 @@ fn numbers_across_pixels_are_uniform_and_independent() {
             // Variance of u² is 1/5 - 1/9.
             let squares = Moments::of(numbers().map(|u| u * u));
             z_test(squares.mean, 4.0 / 45.0 / count, 1.0 / 3.0).assert(&what("mean square"), TESTS);
-            // The bytes that floats are made of. (The lowest one of pcg4d's first lane is not uniform: chi-square 2,092 for 255.)
+            // The bytes that floats are made of. (The lowest one of pcg4d's first lane is not uniform.)
             for byte in 1..4 {
                 let mut counts = [0.0; 256];
                 words.clone().for_each(|word| counts[(word >> (8 * byte) & 255) as usize] += 1.0);
@@ -132,7 +119,7 @@ fn numbers_across_pixels_are_uniform_and_independent() {
             let at = |i: usize| unit(first[i][dimension]);
             correlation(right.map(|(a, b)| (at(a), at(b)))).assert(&what("pixel to the right"), TESTS);
             correlation(below.map(|(a, b)| (at(a), at(b)))).assert(&what("pixel below"), TESTS);
-            let mut others = vec![("the next set", next_set), ("the second next set", second_set)];
+            let mut others = vec![("the next pair", next_pair), ("the pair after that", second_pair)];
             if sampler != Sampler::Sobol {
                 others.push(("the next sample", next_sample));
             }
@@ -142,11 +129,9 @@ fn numbers_across_pixels_are_uniform_and_independent() {
                 uniform_square(pairs(), cells).assert(&what(&format!("square with {name}")), TESTS);
             }
         }
-        for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
-            let pairs = || first.iter().map(move |words| (unit(words[a]), unit(words[b])));
-            correlation(pairs()).assert(&format!("{sampler:?}, dimensions {a} and {b}"), TESTS);
-            uniform_square(pairs(), cells).assert(&format!("{sampler:?}, square of dimensions {a} and {b}"), TESTS);
-        }
+        let both = || first.iter().map(|&[a, b]| (unit(a), unit(b)));
+        correlation(both()).assert(&format!("{sampler:?}, within a pair"), TESTS);
+        uniform_square(both(), cells).assert(&format!("{sampler:?}, square of a pair"), TESTS);
     }
     // Control: neighbouring Sobol' samples of one pixel are far from independent, and found so.
     let (first, second) = (across(Sampler::Sobol, 64, 0, 0), across(Sampler::Sobol, 64, 1, 0));
@@ -155,8 +140,8 @@ fn numbers_across_pixels_are_uniform_and_independent() {
 
 #[test]
 fn independent_samples_of_one_pixel_are_uniform_and_independent() {
-    let words = sets(Sampler::Independent, (0..1 << 18).map(|sample| ([5, 3], sample, 0)));
-    for dimension in 0..4 {
+    let words = pairs(Sampler::Independent, 0, (0..1 << 18).map(|index| ([5, 3], index, 0)));
+    for dimension in 0..2 {
         let at = |i: usize| unit(words[i][dimension]);
         for lag in [1, 2, 16, 64] {
             let pairs = || (0..words.len() - lag).map(|i| (at(i), at(i + lag)));
@@ -174,24 +159,20 @@ fn independent_samples_of_one_pixel_are_uniform_and_independent() {
 fn means_over_a_picture_scatter_as_they_should() {
     const SIDE: u32 = 64;
     for sampler in [Sampler::Sobol, Sampler::Independent] {
-        // 64 blocks' first samples: of Sobol' sequences those of the four replicates are independent.
-        let samples = if sampler == Sampler::Sobol { REPLICATES } else { 64 };
-        let sets_of_numbers = 256 / samples;
-        let mut squares = [0.0; 5];
-        for set in 0..sets_of_numbers {
-            let question = |call: u32| ([call % SIDE, call / SIDE % SIDE], call / (SIDE * SIDE) * BLOCK_SAMPLES, set);
-            let words = sets(sampler, (0..SIDE * SIDE * samples).map(question));
+        let mut squares = [0.0; 3];
+        for replicate in 0..REPLICATES {
+            let place = |i: u32| ([i % SIDE, i / SIDE % SIDE], 5, i / (SIDE * SIDE));
+            let words = pairs(sampler, replicate, (0..64 * SIDE * SIDE).map(place));
             for picture in words.chunks_exact((SIDE * SIDE) as usize) {
-                let mut sums = [0.0; 5];
+                let mut sums = [0.0; 3];
                 for words in picture {
-                    let centred = words.map(|word| (unit(word) - 0.5) * 12f64.sqrt());
-                    sums[..4].iter_mut().zip(centred).for_each(|(sum, value)| *sum += value);
-                    sums[4] += centred.iter().product::<f64>();
+                    let [a, b] = words.map(|word| (unit(word) - 0.5) * 12f64.sqrt());
+                    sums.iter_mut().zip([a, b, a * b]).for_each(|(sum, value)| *sum += value);
                 }
                 squares.iter_mut().zip(sums).for_each(|(square, sum)| *square += sum * sum / f64::from(SIDE * SIDE));
             }
         }
-        for (what, square) in ["x", "y", "z", "w", "product"].iter().zip(squares) {
+        for (what, square) in ["first", "second", "product"].iter().zip(squares) {
             // Both tails: too even is as wrong as too uneven.
             let upper = chi_square_upper(square, 256.0);
             println!("{sampler:?}, {what}: {square:.1} for 256 ± 22.6");

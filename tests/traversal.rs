@@ -76,6 +76,7 @@ fn trace(mesh: &[Triangle], accel: &Accel, intersector: Intersector, questions: 
         buffers: Buffers::Texel,
         specialization: vec![(SPEC_INTERSECTOR, test)],
         function: 0,
+        first_sample: 0,
         calls: questions.len() as u32,
         input: &input,
         output_texels: 2,

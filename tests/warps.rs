@@ -277,10 +277,11 @@ fn lights_are_picked_as_often_as_their_densities_say() {
     let scene = builder.finish(camera([0.0, 0.0, 5.0], [0.0; 3], 40.0), None);
     let data = TexelData::pack(&scene, &Accel::brute(), &Settings::for_scene(&scene)).expect("the scene can be packed");
     assert_eq!(data.light_count, 14);
-    let densities = data.lights.iter().map(|&[_, triangle, density, _]| {
+    let lights = data.lights.as_chunks::<5>().0;
+    let share = |&[_, [_, _, _, triangle], [_, _, _, density], ..]: &[[u32; 4]; 5]| {
         f64::from(f32::from_bits(density)) * area(&scene.triangles[triangle as usize])
-    });
-    let shares: Vec<f64> = densities.collect();
+    };
+    let shares: Vec<f64> = lights.iter().map(share).collect();
     // Each density is rounded once to f32.
     assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-6, "{shares:?}");
     assert!(shares.iter().all(|&share| share > 0.003), "no light starves: {shares:?}");
@@ -291,7 +292,7 @@ fn lights_are_picked_as_often_as_their_densities_say() {
     };
     // Both ends of each share, exactly.
     let mut begin = 0;
-    for (light, &[end, ..]) in (0..).zip(&data.lights) {
+    for (light, &[[_, _, _, end], ..]) in (0..).zip(lights) {
         assert_eq!(pick(&[begin, end]), [light, light]);
         begin = end.wrapping_add(1);
     }

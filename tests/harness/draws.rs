@@ -2,7 +2,7 @@
 
 use texray::bvh::Accel;
 use texray::gpu::shaders;
-use texray::interface::{SAMPLER_INDEPENDENT, SAMPLER_SOBOL, SAMPLER_TABLE, SPEC_SAMPLER};
+use texray::interface::{BLOCK_SAMPLES, SAMPLER_INDEPENDENT, SAMPLER_SOBOL, SAMPLER_TABLE, SPEC_SAMPLER};
 use texray::scene::{Filter, Scene};
 use texray::settings::{Buffers, LightPick, Sampler, Settings};
 use texray::texels::{Texel, TexelData};
@@ -13,7 +13,7 @@ use super::scenes::{SceneBuilder, camera};
 use super::statistics::{Verdict, chi_square_test};
 
 /// Functions of the probe.
-pub const RANDOM_SET: u32 = 0;
+pub const RANDOM_PAIR: u32 = 0;
 pub const UNIT_FLOAT: u32 = 1;
 pub const COSINE_HEMISPHERE: u32 = 2;
 pub const UNIFORM_HEMISPHERE: u32 = 3;
@@ -29,6 +29,17 @@ pub const REPLICATES: u32 = 4;
 
 /// Calls a function over the records of `scene`.
 pub fn call(scene: &Scene, sampler: Sampler, filter: Filter, function: u32, input: &[Texel]) -> Vec<Texel> {
+    call_in_run(scene, sampler, filter, function, 0, input)
+}
+
+fn call_in_run(
+    scene: &Scene,
+    sampler: Sampler,
+    filter: Filter,
+    function: u32,
+    first_sample: u32,
+    input: &[Texel],
+) -> Vec<Texel> {
     let accel = Accel::brute();
     let settings = Settings { sampler, filter, light_pick: LightPick::Power, ..Settings::for_scene(scene) };
     let data = TexelData::pack(scene, &accel, &settings).expect("the scene can be packed");
@@ -44,6 +55,7 @@ pub fn call(scene: &Scene, sampler: Sampler, filter: Filter, function: u32, inpu
         buffers: Buffers::Texel,
         specialization: vec![(SPEC_SAMPLER, value)],
         function,
+        first_sample,
         calls: input.len() as u32,
         input,
         output_texels: 1,
@@ -63,11 +75,19 @@ pub fn call_floats(function: u32, input: &[[f32; 4]]) -> Vec<[f32; 4]> {
     answers.into_iter().map(|answer| answer.map(f32::from_bits)).collect()
 }
 
-/// The words of sets of random numbers: of pixel (x, y), sample, set.
-pub fn sets(sampler: Sampler, questions: impl IntoIterator<Item = ([u32; 2], u32, u32)>) -> Vec<[u32; 4]> {
-    let question = |([x, y], sample, set): ([u32; 2], u32, u32)| [x | y << 16, sample, set, 0];
+/// The words of pairs of random numbers of a replicate: of pixel (x, y), index in the replicate, number of the pair.
+pub fn pairs(
+    sampler: Sampler,
+    replicate: u32,
+    questions: impl IntoIterator<Item = ([u32; 2], u32, u32)>,
+) -> Vec<[u32; 2]> {
+    assert!(replicate < REPLICATES);
+    let question = |([x, y], index, pair): ([u32; 2], u32, u32)| [x | y << 16, index, pair, 0];
     let input: Vec<Texel> = questions.into_iter().map(question).collect();
-    call(&nothing(), sampler, Filter::Box, RANDOM_SET, &input)
+    // Block `replicate` is the first of that replicate.
+    let first = replicate * BLOCK_SAMPLES;
+    let answers = call_in_run(&nothing(), sampler, Filter::Box, RANDOM_PAIR, first, &input);
+    answers.into_iter().map(|[a, b, _, _]| [a, b]).collect()
 }
 
 /// The number that a word stands for.

@@ -28,6 +28,8 @@ pub struct Probe<'a> {
     pub specialization: Vec<(u32, u32)>,
     /// `push.flags`.
     pub function: u32,
+    /// First sample of the run: its block decides the replicate.
+    pub first_sample: u32,
     /// Invocations.
     pub calls: u32,
     /// Texels of input.
@@ -105,7 +107,7 @@ impl Probe<'_> {
         let mut push = constants.push(&Dispatch {
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
             rows: [0, 1],
-            samples: [0, self.calls],
+            samples: [self.first_sample, self.calls],
             budget: MAX_STEP_BUDGET,
             begins_run: false,
         });
