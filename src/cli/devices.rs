@@ -7,7 +7,7 @@ use texray::Result;
 use super::engine::{self, DeviceLine};
 use super::{Outcome, streams};
 
-/// List the Vulkan devices with the numbers and names that --device takes
+/// List the Vulkan devices, numbered as --device takes them, with the limits that matter
 #[derive(Args)]
 pub struct DevicesArgs {
     /// Print one JSON document with all that is known of them on stdout
@@ -29,11 +29,15 @@ impl DevicesArgs {
             streams::answer_json(&Document { schema: 1, devices })?;
             return Ok(Outcome::Done);
         }
-        let lines = devices.iter().map(|device| match &device.lacks {
-            Some(lacks) => format!("{}  (cannot be used: {lacks})", device.summary),
-            None => device.summary.clone(),
-        });
-        streams::answer(&lines.collect::<Vec<_>>().join("\n"))?;
+        let mut lines = Vec::new();
+        for device in devices {
+            lines.push(match device.lacks {
+                Some(lacks) => format!("{}  (cannot be used: {lacks})", device.summary),
+                None => device.summary,
+            });
+            lines.extend(device.limits);
+        }
+        streams::answer(&lines.join("\n"))?;
         Ok(Outcome::Done)
     }
 }

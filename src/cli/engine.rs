@@ -10,6 +10,8 @@ use texray::render::{self, Effects, Observer, RenderReport, Settings};
 use texray::scene::Scene;
 use texray::{Error, Result};
 
+use super::limits;
+
 /// What a user is told of a device.
 #[derive(Clone, Debug, Serialize)]
 pub struct DeviceLine {
@@ -21,6 +23,9 @@ pub struct DeviceLine {
     pub driver: String,
     /// One line about it.
     pub summary: String,
+    /// The limits that matter, a line each.
+    #[serde(skip)]
+    pub limits: Vec<String>,
     /// Everything else that is known, for `--json`.
     pub details: serde_json::Value,
     /// What it lacks to be used, if anything.
@@ -34,6 +39,7 @@ impl DeviceLine {
             name: info.name.clone(),
             driver: info.driver.clone(),
             summary: info.summary(),
+            limits: limits::lines(info),
             details: to_json(info)?,
             lacks: info.lacks.clone(),
         })

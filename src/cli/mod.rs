@@ -7,6 +7,7 @@ mod devices;
 mod document;
 mod engine;
 mod explain;
+mod limits;
 mod not_built;
 mod parse;
 mod process;

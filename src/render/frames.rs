@@ -8,61 +8,52 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::bvh::{Accel, TreeStats};
 use crate::error::{Error, Result};
 use crate::film::{Film, replicate_of_block};
 use crate::gpu::{
-    Barrier, BindGroup, Buffer, BufferUse, ComputePipeline, Context, DeviceKind, InFlight, Ledger, Memory, Readback,
-    Recorder, Resource, Uploader,
+    Barrier, BindGroup, Buffer, ComputePipeline, Context, InFlight, Ledger, Readback, Recorder, Uploader,
 };
 use crate::interface::*;
+use crate::render::Rendered;
 use crate::render::effects::Effects;
-use crate::render::kernel::{self, Constants, Dispatch};
+use crate::render::kernel::{Constants, Dispatch};
 use crate::render::pace::{Pace, RunLength};
-use crate::render::report::{Bytes, Observer, Progress, RenderReport, StageSeconds, StopReason};
-use crate::render::tiles::{self, SUM_BYTES, Tile};
-use crate::render::upload::{self, GpuScene};
-use crate::render::{Rendered, Tuning, build_accel};
-use crate::scene::Scene;
-use crate::settings::{Buffers, Sampler, Settings};
-use crate::texels::TexelData;
-use crate::texels::random::splitmix64;
+use crate::render::report::{Bytes, Observer, Progress, RenderReport, StopReason};
+use crate::render::tiles::{SUM_BYTES, Tile};
+use crate::settings::{Sampler, Settings};
 
 /// Bytes of the counters.
-const COUNTER_BYTES: u64 = 4 * COUNTERS as u64;
-
-/// Where lanes refill by default; measured in docs/performance.md.
-const REFILL_EIGHTHS: u32 = 6;
+pub(super) const COUNTER_BYTES: u64 = 4 * COUNTERS as u64;
 
 /// A scene on the device, ready to be rendered.
 pub struct Renderer {
-    context: Context,
-    settings: Settings,
-    effects: Effects,
-    constants: Constants,
-    pipeline: Arc<ComputePipeline>,
-    bind_group: Arc<BindGroup>,
-    tiles: Vec<Tile>,
-    sums: Arc<Buffer>,
-    counters: Arc<Buffer>,
+    pub(super) context: Context,
+    pub(super) settings: Settings,
+    pub(super) effects: Effects,
+    pub(super) constants: Constants,
+    pub(super) pipeline: Arc<ComputePipeline>,
+    pub(super) bind_group: Arc<BindGroup>,
+    pub(super) tiles: Vec<Tile>,
+    pub(super) sums: Arc<Buffer>,
+    pub(super) counters: Arc<Buffer>,
     /// Two places for a tile's sums to come back to: one is read while the other is written.
-    readbacks: [Readback; 2],
-    counter_readback: Readback,
-    pace: Pace,
-    run_length: RunLength,
-    film: Film,
+    pub(super) readbacks: [Readback; 2],
+    pub(super) counter_readback: Readback,
+    pub(super) pace: Pace,
+    pub(super) run_length: RunLength,
+    pub(super) film: Film,
     /// What came back of the run so far, `[sum.rgb, count]` a pixel of the region.
-    run_sums: Vec<[u32; 4]>,
+    pub(super) run_sums: Vec<[u32; 4]>,
     /// The same of the last whole run: the open block of every pixel, if it is open.
-    open_sums: Vec<[u32; 4]>,
-    ledger: Ledger,
-    report: RenderReport,
-    estimate: EstimateClock,
+    pub(super) open_sums: Vec<[u32; 4]>,
+    pub(super) ledger: Ledger,
+    pub(super) report: RenderReport,
+    pub(super) estimate: EstimateClock,
 }
 
 /// What estimating the error has cost so far, and when it is due again, since the first dispatch.
 #[derive(Default)]
-struct EstimateClock {
+pub(super) struct EstimateClock {
     cost: Duration,
     due: Duration,
 }
@@ -75,80 +66,6 @@ struct PendingTile {
 }
 
 impl Renderer {
-    /// Builds the tree, packs and copies the records, and makes the pipeline.
-    pub fn new(context: &Context, scene: &Scene, settings: &Settings, tuning: &Tuning) -> Result<Renderer> {
-        if !settings.allow_black {
-            scene.check_emits()?;
-        }
-        let mut seconds = StageSeconds::default();
-        let mut ledger = Ledger::default();
-        let [_, _, width, height] = settings.region();
-        let pixels = u64::from(settings.width) * u64::from(settings.height);
-        let replicates = settings.replicates.unwrap_or_else(|| Film::replicates(pixels));
-        let film = Film::new(width, height, replicates, scene.scaling.radiance_exponent)?;
-
-        let start = Instant::now();
-        let accel = build_accel(scene, settings);
-        seconds.bvh = start.elapsed().as_secs_f64();
-
-        let start = Instant::now();
-        let data = TexelData::pack(scene, &accel, settings)?;
-        let buffers = match upload::fits_texel_buffers(&data, context) {
-            true => settings.buffers,
-            false => Buffers::Storage,
-        };
-        let gpu_scene = GpuScene::upload(context, &data, buffers, &mut ledger)?;
-        seconds.upload = start.elapsed().as_secs_f64();
-
-        let start = Instant::now();
-        let mut effects = Effects::of(scene, settings);
-        if let Some(effect) = tuning.without_effect {
-            effects = effects.without(effect);
-        }
-        let refill = tuning.refill_eighths.unwrap_or(REFILL_EIGHTHS);
-        let pipeline = kernel::path_tracer(context, settings, &accel, &effects, buffers, refill)?;
-        seconds.pipeline = start.elapsed().as_secs_f64();
-
-        let tile_size = match tuning.tile {
-            Some(size) => size,
-            None => tile_size(context, settings, &accel)?,
-        };
-        let tile_pixels = u64::from(tile_size[0]) * u64::from(tile_size[1]);
-        let device =
-            |name, bytes| Buffer::new(context, name, bytes, BufferUse { texel: false, storage: true }, Memory::Device);
-        let paths = device("path states", tile_pixels * tiles::path_bytes(accel.stack_entries()))?;
-        let sums = device("open sums", tile_pixels * SUM_BYTES)?;
-        let counters = device("counters", COUNTER_BYTES)?;
-        let mut resources = gpu_scene.resources().to_vec();
-        resources.push((BINDING_PATHS, Resource::Storage(paths)));
-        resources.push((BINDING_SUMS, Resource::Storage(sums.clone())));
-        resources.push((BINDING_COUNTERS, Resource::Storage(counters.clone())));
-        let bind_group = BindGroup::new(&pipeline, &resources)?;
-        let readback = |name| Readback::new(context, name, tile_pixels * SUM_BYTES);
-        let region_pixels = width as usize * height as usize;
-        Ok(Renderer {
-            constants: constants(scene, settings, &data, replicates),
-            report: empty_report(&effects, seconds, settings, buffers, accel.stats(scene.triangles.len())),
-            context: context.clone(),
-            settings: settings.clone(),
-            effects,
-            pipeline,
-            bind_group,
-            tiles: tiles::tiles(settings.region(), tile_size),
-            readbacks: [readback("sums readback 0")?, readback("sums readback 1")?],
-            counter_readback: Readback::new(context, "counters readback", COUNTER_BYTES)?,
-            sums,
-            counters,
-            pace: Pace::new(context.device_info().kind == DeviceKind::Cpu, tuning.budget),
-            run_length: RunLength::new(tuning.run_samples),
-            film,
-            run_sums: vec![[0; 4]; region_pixels],
-            open_sums: vec![[0; 4]; region_pixels],
-            ledger,
-            estimate: EstimateClock::default(),
-        })
-    }
-
     /// Renders until the samples are done or the observer stops it, after the first whole run at the earliest.
     pub fn render(mut self, observer: &mut dyn Observer) -> Result<Rendered> {
         let start = Instant::now();
@@ -351,57 +268,5 @@ impl Renderer {
 }
 
 /// Names of the causes for which a sample is left out, and their counters.
-const INVALID_CAUSES: [(&str, u32); 3] =
+pub(super) const INVALID_CAUSES: [(&str, u32); 3] =
     [("nan", COUNTER_INVALID_NAN), ("infinite", COUNTER_INVALID_INFINITE), ("negative", COUNTER_INVALID_NEGATIVE)];
-
-/// Half of the heap that the scene has left is for the paths.
-fn tile_size(context: &Context, settings: &Settings, accel: &Accel) -> Result<[u32; 2]> {
-    let limits = context.device_info();
-    let [_, _, width, height] = settings.region();
-    let in_one_buffer = limits.max_storage_buffer_range.min(limits.max_memory_allocation_size);
-    let memory = (limits.device_heap_bytes() / 2).saturating_sub(context.device_bytes());
-    tiles::largest_tile(width, height, accel.stack_entries(), in_one_buffer, memory)
-}
-
-fn constants(scene: &Scene, settings: &Settings, data: &TexelData, replicates: u32) -> Constants {
-    let mut state = settings.seed;
-    let mixed = splitmix64(&mut state);
-    Constants {
-        triangles: data.triangle_count,
-        lights: data.light_count,
-        max_bounces: settings.max_bounces,
-        replicates,
-        seed: [mixed as u32, (mixed >> 32) as u32],
-        roulette_p: kernel::roulette_value(settings.roulette).1,
-        sky: scene.sky.unwrap_or_default(),
-    }
-}
-
-fn empty_report(
-    effects: &Effects,
-    seconds: StageSeconds,
-    settings: &Settings,
-    buffers: Buffers,
-    tree: TreeStats,
-) -> RenderReport {
-    let pairs = u64::from(settings.spp) * u64::from(PAIRS_PER_BOUNCE) * (1 + u64::from(settings.max_bounces));
-    RenderReport {
-        spp: 0,
-        stop_reason: StopReason::Spp,
-        seconds,
-        paths: 0,
-        rays: 0,
-        node_visits: 0,
-        triangle_tests: 0,
-        buffers,
-        relative_rmse: None,
-        tree,
-        effects: effects.names(),
-        invalid_samples: INVALID_CAUSES.iter().map(|&(cause, _)| (cause, 0)).collect(),
-        table_wraps: match settings.sampler {
-            Sampler::Table => pairs / u64::from(RANDOM_TABLE_TEXELS),
-            _ => 0,
-        },
-        bytes: Bytes::default(),
-    }
-}

@@ -8,6 +8,7 @@ pub mod frames;
 pub mod kernel;
 pub mod pace;
 pub mod report;
+mod setup;
 pub mod tiles;
 pub mod upload;
 

@@ -1,0 +1,155 @@
+//! Stage 4 and what stage 5 needs: everything that stands between a scene and its first dispatch.
+//!
+//! Comes in: a checked scene and settings. Goes out: a [`Renderer`]: tree built, records on the device, pipeline made,
+//! buffers sized by the device's limits, an empty film.
+
+use std::time::Instant;
+
+use crate::bvh::{Accel, TreeStats};
+use crate::error::Result;
+use crate::film::Film;
+use crate::gpu::{BindGroup, Buffer, BufferUse, Context, DeviceKind, Ledger, Memory, Readback, Resource};
+use crate::interface::*;
+use crate::render::effects::Effects;
+use crate::render::frames::{COUNTER_BYTES, EstimateClock, INVALID_CAUSES, Renderer};
+use crate::render::kernel::{self, Constants};
+use crate::render::pace::{Pace, RunLength};
+use crate::render::report::{Bytes, RenderReport, StageSeconds, StopReason};
+use crate::render::tiles::{self, SUM_BYTES};
+use crate::render::upload::{self, GpuScene};
+use crate::render::{Tuning, build_accel};
+use crate::scene::Scene;
+use crate::settings::{Buffers, Sampler, Settings};
+use crate::texels::TexelData;
+use crate::texels::random::splitmix64;
+
+/// Where lanes refill by default; measured in docs/performance.md.
+const REFILL_EIGHTHS: u32 = 6;
+
+impl Renderer {
+    /// Builds the tree, packs and copies the records, and makes the pipeline.
+    pub fn new(context: &Context, scene: &Scene, settings: &Settings, tuning: &Tuning) -> Result<Renderer> {
+        if !settings.allow_black {
+            scene.check_emits()?;
+        }
+        let mut seconds = StageSeconds::default();
+        let mut ledger = Ledger::default();
+        let [_, _, width, height] = settings.region();
+        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        let replicates = settings.replicates.unwrap_or_else(|| Film::replicates(pixels));
+        let film = Film::new(width, height, replicates, scene.scaling.radiance_exponent)?;
+
+        let start = Instant::now();
+        let accel = build_accel(scene, settings);
+        seconds.bvh = start.elapsed().as_secs_f64();
+
+        let start = Instant::now();
+        let data = TexelData::pack(scene, &accel, settings)?;
+        let buffers = match upload::fits_texel_buffers(&data, context) {
+            true => settings.buffers,
+            false => Buffers::Storage,
+        };
+        let gpu_scene = GpuScene::upload(context, &data, buffers, &mut ledger)?;
+        seconds.upload = start.elapsed().as_secs_f64();
+
+        let start = Instant::now();
+        let mut effects = Effects::of(scene, settings);
+        if let Some(effect) = tuning.without_effect {
+            effects = effects.without(effect);
+        }
+        let refill = tuning.refill_eighths.unwrap_or(REFILL_EIGHTHS);
+        let pipeline = kernel::path_tracer(context, settings, &accel, &effects, buffers, refill)?;
+        seconds.pipeline = start.elapsed().as_secs_f64();
+
+        let tile_size = match tuning.tile {
+            Some(size) => size,
+            None => tile_size(context, settings, &accel)?,
+        };
+        let tile_pixels = u64::from(tile_size[0]) * u64::from(tile_size[1]);
+        let device =
+            |name, bytes| Buffer::new(context, name, bytes, BufferUse { texel: false, storage: true }, Memory::Device);
+        let paths = device("path states", tile_pixels * tiles::path_bytes(accel.stack_entries()))?;
+        let sums = device("open sums", tile_pixels * SUM_BYTES)?;
+        let counters = device("counters", COUNTER_BYTES)?;
+        let mut resources = gpu_scene.resources().to_vec();
+        resources.push((BINDING_PATHS, Resource::Storage(paths)));
+        resources.push((BINDING_SUMS, Resource::Storage(sums.clone())));
+        resources.push((BINDING_COUNTERS, Resource::Storage(counters.clone())));
+        let bind_group = BindGroup::new(&pipeline, &resources)?;
+        let readback = |name| Readback::new(context, name, tile_pixels * SUM_BYTES);
+        let region_pixels = width as usize * height as usize;
+        Ok(Renderer {
+            constants: constants(scene, settings, &data, replicates),
+            report: empty_report(&effects, seconds, settings, buffers, accel.stats(scene.triangles.len())),
+            context: context.clone(),
+            settings: settings.clone(),
+            effects,
+            pipeline,
+            bind_group,
+            tiles: tiles::tiles(settings.region(), tile_size),
+            readbacks: [readback("sums readback 0")?, readback("sums readback 1")?],
+            counter_readback: Readback::new(context, "counters readback", COUNTER_BYTES)?,
+            sums,
+            counters,
+            pace: Pace::new(context.device_info().kind == DeviceKind::Cpu, tuning.budget),
+            run_length: RunLength::new(tuning.run_samples),
+            film,
+            run_sums: vec![[0; 4]; region_pixels],
+            open_sums: vec![[0; 4]; region_pixels],
+            ledger,
+            estimate: EstimateClock::default(),
+        })
+    }
+}
+
+/// Half of the heap that the scene has left is for the paths.
+fn tile_size(context: &Context, settings: &Settings, accel: &Accel) -> Result<[u32; 2]> {
+    let limits = context.device_info();
+    let [_, _, width, height] = settings.region();
+    let in_one_buffer = limits.max_storage_buffer_range.min(limits.max_memory_allocation_size);
+    let memory = (limits.device_heap_bytes() / 2).saturating_sub(context.device_bytes());
+    tiles::largest_tile(width, height, accel.stack_entries(), in_one_buffer, memory)
+}
+
+fn constants(scene: &Scene, settings: &Settings, data: &TexelData, replicates: u32) -> Constants {
+    let mut state = settings.seed;
+    let mixed = splitmix64(&mut state);
+    Constants {
+        triangles: data.triangle_count,
+        lights: data.light_count,
+        max_bounces: settings.max_bounces,
+        replicates,
+        seed: [mixed as u32, (mixed >> 32) as u32],
+        roulette_p: kernel::roulette_value(settings.roulette).1,
+        sky: scene.sky.unwrap_or_default(),
+    }
+}
+
+fn empty_report(
+    effects: &Effects,
+    seconds: StageSeconds,
+    settings: &Settings,
+    buffers: Buffers,
+    tree: TreeStats,
+) -> RenderReport {
+    let pairs = u64::from(settings.spp) * u64::from(PAIRS_PER_BOUNCE) * (1 + u64::from(settings.max_bounces));
+    RenderReport {
+        spp: 0,
+        stop_reason: StopReason::Spp,
+        seconds,
+        paths: 0,
+        rays: 0,
+        node_visits: 0,
+        triangle_tests: 0,
+        buffers,
+        relative_rmse: None,
+        tree,
+        effects: effects.names(),
+        invalid_samples: INVALID_CAUSES.iter().map(|&(cause, _)| (cause, 0)).collect(),
+        table_wraps: match settings.sampler {
+            Sampler::Table => pairs / u64::from(RANDOM_TABLE_TEXELS),
+            _ => 0,
+        },
+        bytes: Bytes::default(),
+    }
+}
