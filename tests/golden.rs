@@ -58,7 +58,7 @@ fn the_cornell_box_agrees_with_mitsuba() {
 
 #[test]
 fn the_mirror_agrees_with_mitsuba() {
-    agrees_with_mitsuba("cornell-mirror", 512, 0.1);
+    agrees_with_mitsuba("cornell-mirror", 1024, 0.1);
 }
 
 #[test]
