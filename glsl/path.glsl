@@ -49,7 +49,7 @@ float emission_weight(Path path, Interaction it, float cosine) {
     if (path.specular || LIGHTS == LIGHTS_BSDF) {
         return 1.0;
     }
-    if (LIGHTS == LIGHTS_AREA || push.light_count == 0u) {
+    if (LIGHTS == LIGHTS_AREA) {
         return 0.0;
     }
     precise vec3 between = it.p - path.o;
@@ -62,8 +62,9 @@ float emission_weight(Path path, Interaction it, float cosine) {
 bool survives(inout Path path, uint word) {
     float q = 1.0;
     if (ROULETTE == ROULETTE_THROUGHPUT) {
-        precise float largest = max(max(path.throughput.r, path.throughput.g), path.throughput.b) * path.eta_scale;
-        q = path.bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : clamp(largest, 0.05, 0.95);
+        precise float largest =
+            greater(greater(path.throughput.r, path.throughput.g), path.throughput.b) * path.eta_scale;
+        q = path.bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : lesser(greater(largest, 0.05), 0.95);
     } else if (ROULETTE == ROULETTE_FIXED) {
         q = push.roulette_p;
     } else {
@@ -71,7 +72,8 @@ bool survives(inout Path path, uint word) {
     }
     precise vec3 raised = path.throughput / q;
     path.throughput = raised;
-    return unit_float(word) < q;
+    // Asked this way round, a NaN goes on to where it is counted.
+    return !(unit_float(word) >= q);
 }
 
 // A finished extension ray: emission, light sample, next direction.
@@ -80,7 +82,10 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
     path.extends = false;
     Hit hit = path.traversal.best;
     if (hit.triangle == NO_INDEX) {
-        if (HAS_SKY != 0u) {
+        if (!is_traceable(path.o, path.d)) {
+            // Not a miss: a ray that is no ray. Its sample is left out, and counted.
+            path.radiance = vec3(uintBitsToFloat(0x7fc00000u));
+        } else if (HAS_SKY != 0u) {
             precise vec3 sum = path.radiance + path.throughput * vec3(push.sky_r, push.sky_g, push.sky_b);
             path.radiance = sum;
         }
@@ -114,7 +119,8 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
         LightSample arriving = sample_light(it, departure.o, light, unit_float2(point));
         precise vec3 pending = path.throughput * arriving.radiance;
         path.pending = pending;
-        departure.casts = pending.r > 0.0 || pending.g > 0.0 || pending.b > 0.0;
+        // A NaN casts its ray too: it shall reach the sample's sum, where it is counted, not vanish here.
+        departure.casts = pending.r != 0.0 || pending.g != 0.0 || pending.b != 0.0;
         departure.shadow_d = arriving.d;
         departure.shadow_triangle = arriving.triangle;
     }
@@ -124,7 +130,7 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
     path.pdf = sampled.pdf;
     path.specular = !lambert;
     path.wi = sampled.wi;
-    bool carries = throughput.r > 0.0 || throughput.g > 0.0 || throughput.b > 0.0;
+    bool carries = throughput.r != 0.0 || throughput.g != 0.0 || throughput.b != 0.0;
     path.extends = survives(path, choices.y) && carries;
     return departure;
 }

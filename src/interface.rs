@@ -218,7 +218,7 @@ pub const ROULETTE_OFF: u32 = 0;
 pub const ROULETTE_THROUGHPUT: u32 = 1;
 /// A path survives with a fixed probability.
 pub const ROULETTE_FIXED: u32 = 2;
-/// Bounces that a path makes before roulette by throughput begins.
+/// The bounce (from 1) after which roulette by throughput begins.
 pub const ROULETTE_FIRST_BOUNCE: u32 = 3;
 
 /// Samples of a block.
@@ -226,6 +226,9 @@ pub const BLOCK_SAMPLES: u32 = 16;
 /// Largest step budget of an invocation in a dispatch: lavapipe ends the loops of a vector of 8 lanes, silently, after
 /// 65,535 iterations in all.
 pub const MAX_STEP_BUDGET: u32 = 8191;
+/// Step budget on CPU devices. A pass on which the last lanes leave a loop counts against the driver's limit without being a
+/// step: a lane alone may use two iterations a step, so half of the largest budget is within the limit whatever the lanes do.
+pub const CPU_STEP_BUDGET: u32 = 4000;
 /// Smallest step budget: enough for one node with all its triangles, and some headway.
 pub const MIN_STEP_BUDGET: u32 = 64;
 

@@ -83,7 +83,7 @@ impl Settings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sampler {
-    /// Shuffled, Owen-scrambled Sobol' points in padded sets of four dimensions.
+    /// Shuffled, Owen-scrambled Sobol' points in padded pairs of dimensions.
     #[default]
     Sobol,
     /// Independent numbers by a hash.
@@ -148,7 +148,7 @@ pub enum Roulette {
     Throughput,
     /// None.
     Off,
-    /// Survive with this fixed probability, inside (0, 1], from the first bounce on (the thesis's).
+    /// Survive with this fixed probability, 0.001 to 1, from the first bounce on (the thesis's).
     Fixed(f32),
 }
 

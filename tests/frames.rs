@@ -3,12 +3,18 @@
 //! All tests are exact: bytes of the picture are compared. Scenes of the repository at a small size stand for every effect.
 
 mod harness;
+#[path = "bvh/meshes.rs"]
+#[allow(dead_code)]
+mod meshes;
 
+use glam::DVec3;
 use harness::device::{assert_same, bits, load, render, render_tuned};
 use harness::scenes::{SceneBuilder, camera, lambert};
 use texray::bvh::Builder;
-use texray::render::{Settings, Tuning};
-use texray::settings::{AccelKind, Buffers, Sampler};
+use texray::interface::NO_INDEX;
+use texray::render::{Settings, Tuning, build_accel};
+use texray::scene::Camera;
+use texray::settings::{AccelKind, Buffers, Roulette, Sampler};
 
 /// A scene of the repository with its own defaults, small: no number of pixels is a multiple of the workgroup's 8.
 fn small(name: &str, [width, height]: [u32; 2], spp: u32) -> (texray::scene::Scene, Settings) {
@@ -127,4 +133,37 @@ fn brute_force_over_a_hundred_thousand_triangles_agrees_with_the_tree() {
         let tuning = Tuning { budget: Some(budget), ..Tuning::default() };
         assert_same(&reference, &bits(&render_tuned(&scene, &brute, &tuning)), &format!("budget {budget}"));
     }
+}
+
+/// Triangles at x = 2^-k make the deepest trees: 27 levels wide and 44 binary, on either side of what the kernel keeps in
+/// registers. A ray from the small end along the row visits all of it, thousands of times a dispatch.
+#[test]
+fn deep_trees_do_not_show() {
+    let mut scene = load("cornell-box");
+    scene.triangles = meshes::exponential(2000);
+    scene.triangles.iter_mut().for_each(|triangle| (triangle.material, triangle.corners) = (0, NO_INDEX));
+    scene.corners.clear();
+    scene.sky = Some([1.0; 3]);
+    scene.camera =
+        Camera { origin: DVec3::new(-1e-25, 0.0, 0.0), target: DVec3::new(1.0, 0.05, 0.05), up: DVec3::Y, vfov: 12.0 };
+    let settings = Settings {
+        width: 16,
+        height: 8,
+        spp: 16,
+        max_bounces: 30,
+        roulette: Roulette::Off,
+        ..Settings::for_scene(&scene)
+    };
+    let brute = bits(&render(&scene, &Settings { accel: AccelKind::Brute, ..settings.clone() }));
+    let mut depths = Vec::new();
+    for accel in [AccelKind::Wide, AccelKind::Binary] {
+        let settings = Settings { accel, ..settings.clone() };
+        depths.push(build_accel(&scene, &settings).stack_entries());
+        for budget in [300, 8191] {
+            let tuning = Tuning { budget: Some(budget), run_samples: Some(16), ..Tuning::default() };
+            let picture = bits(&render_tuned(&scene, &settings, &tuning));
+            assert_same(&brute, &picture, &format!("{accel:?} of {depths:?} levels, budget {budget}"));
+        }
+    }
+    assert!(depths[0] > 24 && depths[1] > 32, "the trees are too shallow to show anything: {depths:?}");
 }

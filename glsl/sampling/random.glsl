@@ -30,7 +30,7 @@ vec2 unit_float2(uvec2 words) {
     return vec2(words >> 8) * 5.9604644775390625e-8;
 }
 
-// Jarzynski and Olano, "Hash Functions for GPU Rendering" (JCGT 2020), pcg4d.
+// Jarzynski and Olano, "Hash Functions for GPU Rendering" (JCGT 2020), pcg4d, and one shift more.
 uvec4 pcg4d(uvec4 v) {
     v = v * 1664525u + 1013904223u;
     v.x += v.y * v.w;
@@ -42,6 +42,8 @@ uvec4 pcg4d(uvec4 v) {
     v.y += v.z * v.x;
     v.z += v.x * v.y;
     v.w += v.y * v.z;
+    // The low bits of each lane depend on few input bits, the high ones on all; a scramble's seed is read from the low ones.
+    v ^= v >> 16;
     return v;
 }
 
@@ -89,7 +91,8 @@ uvec2 random_pair(uint pixel, uint sample_number, uint pair) {
     }
     // The thesis's way: a table made by the host, read from a place of the pixel's own and around again at its end.
     uint start = pcg4d(uvec4(pixel + push.seed_low, push.seed_high, 0x85ebca6bu, 0xc2b2ae35u)).x;
-    uint pairs = PAIRS_PER_BOUNCE * (1u + push.max_bounces);
+    // Odd, so that the samples of a pixel go through the whole table before any comes again.
+    uint pairs = (PAIRS_PER_BOUNCE * (1u + push.max_bounces)) | 1u;
     return random_texel((start + (push.first_sample + sample_number) * pairs + pair) & (RANDOM_TABLE_TEXELS - 1u)).xy;
 }
 

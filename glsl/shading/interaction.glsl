@@ -43,8 +43,10 @@ Interaction make_interaction(Hit hit, vec3 wo) {
     Interaction it;
     it.p = p;
     // 2^-21 = 8 units in the last place of each term that p and a neighbour's sheared vertices are made of.
-    it.p_error = (abs(triangle.v0) + abs(e1) + abs(e2)) * 4.76837158203125e-7;
-    it.front = dot(surface.ng, wo) > 0.0;
+    precise vec3 p_error = (abs(triangle.v0) + abs(e1) + abs(e2)) * 4.76837158203125e-7;
+    it.p_error = p_error;
+    precise float side = surface.ng.x * wo.x + surface.ng.y * wo.y + surface.ng.z * wo.z;
+    it.front = side > 0.0;
     it.ng = it.front ? surface.ng : -surface.ng;
     it.ns = it.ng;
     if (HAS_SMOOTH_NORMALS != 0u && (triangle.flags & TRIANGLE_SMOOTH) != 0u) {

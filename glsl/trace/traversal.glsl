@@ -49,30 +49,42 @@ Traversal begin_traversal(Hit best, vec3 o, vec3 d) {
     return traversal;
 }
 
-// The stack's top is entry 0 and the others shift: every index is then a constant, and the stack lives in registers. Moving
-// a dozen entries is cheaper than one access to an indexed array, which runs lane by lane on CPU devices.
+// A stack of at most this many entries lives in registers.
+const uint SHIFTED_ENTRIES = 24u;
+
+// A shallow stack has its top at entry 0 and shifts the others: every index is then a constant, and the stack lives in
+// registers. Moving a dozen entries is cheaper than one access to an indexed array, which runs lane by lane on CPU devices. A
+// deep stack is an indexed array with its top at the end: a shift of that length would no longer be unrolled, and its
+// iterations would count against the driver's limit (design section 4) without being steps.
 void push_entry(inout Traversal traversal, uvec2 entry) {
     // The builder bounds the depth, so there is always room; the host takes any overflow for a bug.
-    if (traversal.stack_size == STACK_ENTRIES) {
+    if (traversal.stack_size >= STACK_ENTRIES) {
         stack_overflows++;
         return;
     }
-    // Upwards: Mesa does not unroll a loop that counts down.
-    uvec2 moved = entry;
-    for (uint i = 0u; i < STACK_ENTRIES; i++) {
-        uvec2 below = stack[i];
-        stack[i] = moved;
-        moved = below;
+    if (STACK_ENTRIES <= SHIFTED_ENTRIES) {
+        // Upwards: Mesa does not unroll a loop that counts down.
+        uvec2 moved = entry;
+        for (uint i = 0u; i < STACK_ENTRIES; i++) {
+            uvec2 below = stack[i];
+            stack[i] = moved;
+            moved = below;
+        }
+    } else {
+        stack[traversal.stack_size] = entry;
     }
     traversal.stack_size++;
 }
 
 uvec2 pop_entry(inout Traversal traversal) {
+    traversal.stack_size--;
+    if (STACK_ENTRIES > SHIFTED_ENTRIES) {
+        return stack[traversal.stack_size];
+    }
     uvec2 entry = stack[0];
     for (uint i = 0u; i + 1u < STACK_ENTRIES; i++) {
         stack[i] = stack[i + 1u];
     }
-    traversal.stack_size--;
     return entry;
 }
 

@@ -25,13 +25,16 @@ pub fn crop(text: &str) -> Result<[u32; 4], String> {
     }
 }
 
+/// Least probability of survival: the shader compares 24-bit numbers, so a smaller one would be off by more than 6e-5.
+const LEAST_SURVIVAL: f32 = 0.001;
+
 /// `throughput`, `off` or a probability.
 pub fn roulette(text: &str) -> Result<Roulette, String> {
     match (text, text.parse::<f32>()) {
         ("throughput", _) => Ok(Roulette::Throughput),
         ("off", _) => Ok(Roulette::Off),
-        (_, Ok(survival)) if survival > 0.0 && survival <= 1.0 => Ok(Roulette::Fixed(survival)),
-        _ => Err("use throughput, off, or a probability of survival above 0 and at most 1".into()),
+        (_, Ok(survival)) if (LEAST_SURVIVAL..=1.0).contains(&survival) => Ok(Roulette::Fixed(survival)),
+        _ => Err("use throughput, off, or a probability of survival from 0.001 to 1".into()),
     }
 }
 
@@ -69,7 +72,7 @@ mod tests {
         assert_eq!(roulette("off"), Ok(Roulette::Off));
         assert_eq!(roulette("throughput"), Ok(Roulette::Throughput));
         assert_eq!(roulette("1"), Ok(Roulette::Fixed(1.0)));
-        for bad in ["0", "-0.5", "1.01", "nan", "inf", "on", ""] {
+        for bad in ["0", "0.0009", "-0.5", "1.01", "nan", "inf", "on", ""] {
             assert!(roulette(bad).is_err(), "{bad}");
         }
     }

@@ -67,7 +67,7 @@ pub struct SettingsArgs {
     /// How diffuse directions are drawn
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     hemisphere: Hemisphere,
-    /// Russian roulette: by throughput, off, or a fixed probability of survival P, above 0 and at most 1
+    /// Russian roulette: by throughput, off, or a fixed probability of survival P, 0.001 to 1
     #[arg(long, value_name = "throughput|off|P", default_value = "throughput", value_parser = parse::roulette)]
     #[arg(help_heading = "Method")]
     roulette: Roulette,

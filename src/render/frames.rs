@@ -46,6 +46,8 @@ pub struct Renderer {
     pub(super) run_sums: Vec<[u32; 4]>,
     /// The same of the last whole run: the open block of every pixel, if it is open.
     pub(super) open_sums: Vec<[u32; 4]>,
+    /// Counters of the run so far.
+    pub(super) run_counts: [u64; COUNTERS as usize],
     pub(super) ledger: Ledger,
     pub(super) report: RenderReport,
     pub(super) estimate: EstimateClock,
@@ -87,6 +89,7 @@ impl Renderer {
         self.estimate.due = Duration::ZERO;
         self.estimate_error(start.elapsed());
         self.report.spp = done;
+        self.report.table_wraps = self.table_wraps(done);
         self.report.seconds.render = start.elapsed().as_secs_f64();
         self.report.bytes = Bytes {
             uploaded: self.ledger.bytes_up(),
@@ -107,7 +110,9 @@ impl Renderer {
             }
             let mut row = 0;
             while row < tile.height {
-                let rows = self.pace.rows.min(tile.height - row);
+                // A dispatch's counts fit their 32 bits.
+                let countable = (u32::MAX / self.pace.budget / tile.width).max(1);
+                let rows = self.pace.rows.min(countable).min(tile.height - row);
                 let mut dispatch = Dispatch {
                     tile,
                     rows: [row, rows],
@@ -123,7 +128,7 @@ impl Renderer {
                     }
                     let unfinished = self.finish(frame, dispatch.budget)?;
                     if dispatch.begins_run {
-                        self.pace.note(rows, slice_start.elapsed());
+                        self.pace.note(rows, tile.height, slice_start.elapsed());
                     }
                     if unfinished == 0 {
                         break;
@@ -137,7 +142,8 @@ impl Renderer {
                 row += rows;
                 pixels_done += u64::from(rows) * u64::from(tile.width);
                 self.tell(first, pixels_done * u64::from(samples), start, observer);
-                if first > 0 && observer.stop_requested() {
+                // What the run has already paid for in full is kept.
+                if first > 0 && pixels_done < self.film.pixels() as u64 && observer.stop_requested() {
                     return Ok(false);
                 }
             }
@@ -179,12 +185,8 @@ impl Renderer {
         if counter(COUNTER_STACK_OVERFLOW) > 0 {
             return Err(Error::Internal("the traversal stack is too small for the tree".into()));
         }
-        self.report.rays += counter(COUNTER_RAYS);
-        self.report.paths += counter(COUNTER_PATHS);
-        self.report.node_visits += counter(COUNTER_NODES);
-        self.report.triangle_tests += counter(COUNTER_TRIANGLES);
-        for (cause, index) in INVALID_CAUSES {
-            *self.report.invalid_samples.entry(cause).or_default() += counter(index);
+        for (sum, count) in self.run_counts.iter_mut().zip(counters) {
+            *sum += u64::from(count);
         }
         Ok(counters[COUNTER_UNFINISHED as usize])
     }
@@ -226,9 +228,18 @@ impl Renderer {
         uploader.finish()
     }
 
-    /// Enters a whole run into the film.
+    /// Enters a whole run into the film, and its counts into the report: what a stop throws away is not reported.
     fn commit(&mut self, first: u32, samples: u32) -> Result<()> {
         let start = Instant::now();
+        let counts = std::mem::take(&mut self.run_counts);
+        let count = |index: u32| counts[index as usize];
+        self.report.rays += count(COUNTER_RAYS);
+        self.report.paths += count(COUNTER_PATHS);
+        self.report.node_visits += count(COUNTER_NODES);
+        self.report.triangle_tests += count(COUNTER_TRIANGLES);
+        for (cause, index) in INVALID_CAUSES {
+            *self.report.invalid_samples.entry(cause).or_default() += count(index);
+        }
         let end = first + samples;
         let replicate = replicate_of_block(first / BLOCK_SAMPLES, self.constants.replicates);
         let whole = [0, 0, self.film.width(), self.film.height()];
@@ -240,6 +251,15 @@ impl Renderer {
         std::mem::swap(&mut self.run_sums, &mut self.open_sums);
         self.report.seconds.readback += start.elapsed().as_secs_f64();
         Ok(())
+    }
+
+    /// Times that a pixel's samples went around the table of random numbers.
+    fn table_wraps(&self, spp: u32) -> u64 {
+        let stride = u64::from((PAIRS_PER_BOUNCE * (1 + self.settings.max_bounces)) | 1);
+        match self.settings.sampler {
+            Sampler::Table => u64::from(spp) * stride / u64::from(RANDOM_TABLE_TEXELS),
+            _ => 0,
+        }
     }
 
     /// Estimates the error, if it is time: the estimate reads the whole film, and shall cost less than 2 % of the render.
@@ -260,7 +280,7 @@ impl Renderer {
             spp_done,
             spp_target: self.settings.spp,
             fraction: ((pixels * f64::from(spp_done) + extra_samples as f64) / all).min(1.0),
-            paths: self.report.paths,
+            paths: self.report.paths + self.run_counts[COUNTER_PATHS as usize],
             seconds: start.elapsed().as_secs_f64(),
             relative_rmse: self.report.relative_rmse,
         });

@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use crate::interface::{BLOCK_SAMPLES, MAX_STEP_BUDGET, MIN_STEP_BUDGET};
+use crate::interface::{BLOCK_SAMPLES, CPU_STEP_BUDGET, MAX_STEP_BUDGET, MIN_STEP_BUDGET};
 
 /// Rows and step budget of a submit.
 #[derive(Clone, Copy, Debug)]
@@ -19,35 +19,31 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// The pace for a device. A CPU has no watchdog and loses time by leaving paths unfinished, so there the budget is as
-    /// large as it may be and rows alone follow the clock; a GPU wants all its lanes filled, so there the budget follows it
-    /// and rows only where the smallest budget is too long. `fixed_budget` pins the budget, for tests.
+    /// The pace for a device, cautious at first: nothing is known of its speed. A CPU has no watchdog and loses time by
+    /// leaving paths unfinished, so there rows alone follow the clock; a GPU wants all its lanes filled, so there rows grow
+    /// to the tile's height first, then the budget. `fixed_budget` pins the budget, for tests.
     pub fn new(is_cpu: bool, fixed_budget: Option<u32>) -> Pace {
         Pace {
-            rows: if is_cpu { 16 } else { u32::MAX },
-            budget: fixed_budget.unwrap_or(if is_cpu { MAX_STEP_BUDGET } else { 4 * MIN_STEP_BUDGET }),
+            rows: if is_cpu { 16 } else { 32 },
+            budget: fixed_budget.unwrap_or(if is_cpu { CPU_STEP_BUDGET } else { MIN_STEP_BUDGET }),
             target: Duration::from_millis(if is_cpu { 250 } else { 50 }),
             adapts_budget: !is_cpu && fixed_budget.is_none(),
         }
     }
 
-    /// Takes note that a slice of `rows` took `elapsed` in its first submit.
-    pub fn note(&mut self, rows: u32, elapsed: Duration) {
+    /// Takes note that a slice of `rows`, in a tile of `height`, took `elapsed` in its first submit.
+    pub fn note(&mut self, rows: u32, height: u32, elapsed: Duration) {
         let ratio = elapsed.as_secs_f64() / self.target.as_secs_f64();
-        if self.adapts_budget {
-            if ratio > 1.0 && self.budget > MIN_STEP_BUDGET {
-                self.budget = (self.budget / 2).max(MIN_STEP_BUDGET);
-                return;
-            }
-            if ratio < 0.4 && self.budget < MAX_STEP_BUDGET {
-                self.budget = (self.budget * 2).min(MAX_STEP_BUDGET);
-                return;
-            }
-        }
         if ratio > 1.5 {
-            self.rows = (rows / 2).max(1);
+            match self.adapts_budget && self.budget > MIN_STEP_BUDGET {
+                true => self.budget = (self.budget / 2).max(MIN_STEP_BUDGET),
+                false => self.rows = (rows / 2).max(1),
+            }
         } else if ratio < 0.6 {
-            self.rows = self.rows.saturating_mul(2);
+            match self.adapts_budget && self.rows >= height {
+                true => self.budget = (self.budget * 2).min(MAX_STEP_BUDGET),
+                false => self.rows = self.rows.saturating_mul(2),
+            }
         }
     }
 }
@@ -114,10 +110,14 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_device_gets_smaller_submits() {
+    fn submits_follow_the_clock() {
         let mut pace = Pace::new(false, None);
         for _ in 0..20 {
-            pace.note(100, Duration::from_secs(1));
+            pace.note(pace.rows.min(100), 100, Duration::from_millis(1));
+        }
+        assert!(pace.rows >= 100 && pace.budget == MAX_STEP_BUDGET);
+        for _ in 0..20 {
+            pace.note(100, 100, Duration::from_secs(1));
         }
         assert_eq!((pace.budget, pace.rows), (MIN_STEP_BUDGET, 50));
     }

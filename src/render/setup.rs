@@ -19,7 +19,7 @@ use crate::render::tiles::{self, SUM_BYTES};
 use crate::render::upload::{self, GpuScene};
 use crate::render::{Tuning, build_accel};
 use crate::scene::Scene;
-use crate::settings::{Buffers, Sampler, Settings};
+use crate::settings::{Buffers, Settings};
 use crate::texels::TexelData;
 use crate::texels::random::splitmix64;
 
@@ -80,7 +80,7 @@ impl Renderer {
         let region_pixels = width as usize * height as usize;
         Ok(Renderer {
             constants: constants(scene, settings, &data, replicates),
-            report: empty_report(&effects, seconds, settings, buffers, accel.stats(scene.triangles.len())),
+            report: empty_report(&effects, seconds, buffers, accel.stats(scene.triangles.len())),
             context: context.clone(),
             settings: settings.clone(),
             effects,
@@ -96,6 +96,7 @@ impl Renderer {
             film,
             run_sums: vec![[0; 4]; region_pixels],
             open_sums: vec![[0; 4]; region_pixels],
+            run_counts: [0; COUNTERS as usize],
             ledger,
             estimate: EstimateClock::default(),
         })
@@ -107,7 +108,7 @@ fn tile_size(context: &Context, settings: &Settings, accel: &Accel) -> Result<[u
     let limits = context.device_info();
     let [_, _, width, height] = settings.region();
     let in_one_buffer = limits.max_storage_buffer_range.min(limits.max_memory_allocation_size);
-    let memory = (limits.device_heap_bytes() / 2).saturating_sub(context.device_bytes());
+    let memory = limits.device_heap_bytes().saturating_sub(context.device_bytes()) / 2;
     tiles::largest_tile(width, height, accel.stack_entries(), in_one_buffer, memory)
 }
 
@@ -125,14 +126,7 @@ fn constants(scene: &Scene, settings: &Settings, data: &TexelData, replicates: u
     }
 }
 
-fn empty_report(
-    effects: &Effects,
-    seconds: StageSeconds,
-    settings: &Settings,
-    buffers: Buffers,
-    tree: TreeStats,
-) -> RenderReport {
-    let pairs = u64::from(settings.spp) * u64::from(PAIRS_PER_BOUNCE) * (1 + u64::from(settings.max_bounces));
+fn empty_report(effects: &Effects, seconds: StageSeconds, buffers: Buffers, tree: TreeStats) -> RenderReport {
     RenderReport {
         spp: 0,
         stop_reason: StopReason::Spp,
@@ -146,10 +140,7 @@ fn empty_report(
         tree,
         effects: effects.names(),
         invalid_samples: INVALID_CAUSES.iter().map(|&(cause, _)| (cause, 0)).collect(),
-        table_wraps: match settings.sampler {
-            Sampler::Table => pairs / u64::from(RANDOM_TABLE_TEXELS),
-            _ => 0,
-        },
+        table_wraps: 0,
         bytes: Bytes::default(),
     }
 }

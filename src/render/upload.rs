@@ -31,7 +31,7 @@ fn records(data: &TexelData) -> [Record<'_>; 9] {
         (BINDING_CORNERS, "corners", &data.corners, "vertex normals, read once a smooth hit"),
         (BINDING_MATERIALS, "materials", &data.materials, "reflectance and emission, read once a hit"),
         (BINDING_LIGHTS, "lights", &data.lights, "emitters and their probabilities, read once a light sample"),
-        (BINDING_CAMERA, "camera", &data.camera, "pose and picture size, read once a path"),
+        (BINDING_CAMERA, "camera", &data.camera, "pose and picture size, read once an invocation"),
         (BINDING_FILTER, "filter", &data.filter, "inverse distribution of the pixel filter, read once a path"),
         (BINDING_RANDOM, "random", &data.random, "numbers of the table sampler, read at every bounce"),
     ]

@@ -12,13 +12,16 @@ pub mod triangle;
 pub mod wide_node;
 
 use crate::bvh::Accel;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::interface::NO_INDEX;
 use crate::scene::{Filter, Scene};
 use crate::settings::{LightPick, Sampler, Settings};
 
 /// One texel: four 32-bit lanes; floats travel as their bits.
 pub type Texel = [u32; 4];
+
+/// Most triangles: the shader's indices of texels are signed words, and a triangle may have four.
+const MAX_TRIANGLES: usize = 1 << 28;
 
 /// The records of a scene. An empty `Vec` is a buffer that the scene does not call for.
 #[derive(Debug, Default)]
@@ -51,6 +54,13 @@ impl TexelData {
     /// Packs the scene.
     pub fn pack(scene: &Scene, accel: &Accel, settings: &Settings) -> Result<TexelData> {
         let order = accel.order(scene.triangles.len());
+        if order.len() > MAX_TRIANGLES {
+            return Err(Error::Limit {
+                what: "triangles".into(),
+                need: order.len().to_string(),
+                have: MAX_TRIANGLES.to_string(),
+            });
+        }
         let mut data = TexelData::geometry(scene, accel, &order, settings.light_pick)?;
         data.camera = camera::camera_texels(&scene.camera, settings.width, settings.height, settings.filter).to_vec();
         if settings.filter != Filter::Box {
