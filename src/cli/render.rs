@@ -71,7 +71,7 @@ struct RunningArgs {
     /// No progress and no summary, only warnings and errors
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
-    /// Also print the effects with their reasons and the ledger of transfers
+    /// Also print the effects with their reasons, figures of the tree, and the ledger of transfers
     #[arg(short, long)]
     verbose: bool,
 }

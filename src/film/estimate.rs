@@ -62,7 +62,7 @@ impl Film {
     }
 
     /// [`Estimate::relative_rmse`] of this film; `None` before every pixel has two closed blocks. It reads the whole film
-    /// (some 0.1 s for 800 x 600 pixels on two cores): ask at most once in some 5 s while rendering.
+    /// (some 0.1 s for 800 x 600 pixels on two cores): the frame loop asks as often as 2 % of its time allow.
     pub fn relative_rmse(&self) -> Option<f64> {
         if self.replicates < 2 || !self.has_blocks(2) {
             return None;

@@ -80,7 +80,7 @@ impl Uploader {
             // SAFETY: the copy out of this chunk has ended, and this uploader alone knows the chunk's buffer.
             unsafe { chunk.buffer.write_from_host(piece)? };
 
-            let before = Barrier::ComputeToTransfer;
+            let before = [Barrier::ComputeToTransfer, Barrier::TransferToTransfer];
             let after = Barrier::TransferToCompute;
             let clock = ledger.add(LedgerEntry {
                 buffer: dst.name().to_string(),
@@ -89,17 +89,17 @@ impl Uploader {
                 copies: 1,
                 memory_type: dst.memory_type(),
                 how: "staged".to_string(),
-                barrier: format!("{}; {}", before.text(), after.text()),
+                barrier: format!("{}; {}; {}", before[0].text(), before[1].text(), after.text()),
                 milliseconds: 0.0,
                 why: why.to_string(),
             });
             let mut recorder = Recorder::new(&self.context, &format!("upload {}", dst.name()))?;
             // Earlier dispatches read or write `dst` → this copy writes it. Without it a dispatch still in flight could
             // see the new bytes too early. For a fresh buffer there is nothing to wait for.
-            recorder.barrier(before)?;
+            recorder.barrier(before[0])?;
             // Earlier copies read or write `dst` → this copy writes it. Without it a readback still in flight could take
             // the new bytes for the old ones.
-            recorder.barrier(Barrier::TransferToTransfer)?;
+            recorder.barrier(before[1])?;
             // The host's writes to the chunk need no barrier: the submit makes them visible.
             recorder.record_copy(&chunk.buffer, 0, dst, offset, piece.len() as u64, Some(&clock))?;
             // This copy writes `dst` → later dispatches read it, as texels or storage. Without it they might read what

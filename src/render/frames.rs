@@ -85,6 +85,10 @@ impl Renderer {
             self.run_length.note(samples, run_start.elapsed());
             self.estimate_error(start.elapsed());
             self.tell(done, 0, start, observer);
+            if done < spp && observer.stop_requested() {
+                self.report.stop_reason = StopReason::Interrupted;
+                break;
+            }
         }
         self.estimate.due = Duration::ZERO;
         self.estimate_error(start.elapsed());
