@@ -185,8 +185,8 @@ fn contradictions_are_refused() {
     refused(&["render", "scene.toml", "--spp", "1", "--spp", "2"], 2, "cannot be used multiple times");
     refused(&["render", "scene.toml", "-o", "a.exr", "-o", "./a.exr"], 2, "two outputs have this name");
     refused(&["render", "scene.toml", "-o", "a.exr", "--ledger", "a.exr"], 2, "two outputs have this name");
-    refused(&["render", "scene.exr", "-o", "./scene.exr"], 2, "the output is the scene itself");
-    refused(&["render", "scene.toml", "--ledger", "scene.toml"], 2, "the output is the scene itself");
+    refused(&["render", "scene.exr", "-o", "./scene.exr"], 2, "the output is a file of the scene itself");
+    refused(&["render", "scene.toml", "--ledger", "scene.toml"], 2, "the output is a file of the scene itself");
 }
 
 /// Outputs are checked before the scene is read: the scene of these commands does not exist.

@@ -142,6 +142,19 @@ fn error_is_null_before_two_blocks() {
     }
 }
 
+/// A picture's name cannot be that of a mesh, but a ledger's can.
+#[test]
+fn files_of_the_scene_are_not_overwritten() {
+    let folder = folder();
+    for (file, text) in [("room.toml", SCENE), ("room.obj", OBJ), ("room.mtl", MTL)] {
+        let output = texray(folder.path(), &["render", "room.toml", "--ledger", file, "--spp", "1"]);
+        assert_eq!(output.status.code(), Some(2), "{file}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(message.contains("the output is a file of the scene itself"), "{file}: {message}");
+        assert_eq!(fs::read_to_string(folder.path().join(file)).unwrap(), text);
+    }
+}
+
 #[test]
 fn equal_renders_are_equal_files() {
     let folder = folder();
@@ -235,6 +248,13 @@ fn interrupted(folder: &Path, signals: &[&str]) -> (Option<i32>, String, Duratio
     let sent = Instant::now();
     for signal in signals {
         assert!(Command::new("kill").args([*signal, &child.id().to_string()]).status().unwrap().success());
+    }
+    // A render that does not answer is ended: the code is none then, and the test fails instead of waiting for ever.
+    while child.try_wait().unwrap().is_none() {
+        if sent.elapsed() > Duration::from_secs(60) {
+            child.kill().unwrap();
+        }
+        sleep(Duration::from_millis(20));
     }
     let mut stdout = String::new();
     child.stdout.take().unwrap().read_to_string(&mut stdout).unwrap();

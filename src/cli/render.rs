@@ -80,13 +80,13 @@ impl RenderArgs {
     /// Renders and writes. `started` is when the process began.
     pub fn run(&self, started: Instant) -> Result<Outcome> {
         let signals = Signals::watch()?;
-        self.check_files(None)?;
+        self.check_files(None, &[])?;
         let (scene, seconds_load) = self.load()?;
         if let Some(signal) = signals.received() {
             return Ok(Outcome::Signal(signal));
         }
         let settings = self.settings.settings(&scene)?;
-        let files = self.check_files(Some(&scene.name))?;
+        let files = self.check_files(Some(&scene.name), &scene.report.files)?;
         let engine = Engine::open(self.running.device.as_deref(), self.running.validation)?;
         self.tell_before(&scene, &settings, &engine);
         let mut reporter = Reporter::new(self.running.quiet, signals.clone());
@@ -107,12 +107,14 @@ impl RenderArgs {
         })
     }
 
-    /// Checks the files that will be written; without `-o` their names are known once the scene's is.
-    fn check_files(&self, scene_name: Option<&str>) -> Result<Vec<OutputFile>> {
+    /// Checks the files that will be written. Without `-o` their names are known once the scene's is, and the files that
+    /// the scene names (`meshes`) once it is read.
+    fn check_files(&self, scene_name: Option<&str>, meshes: &[PathBuf]) -> Result<Vec<OutputFile>> {
         let files = save::check(&self.output, scene_name, self.no_clobber)?;
         let ledger = self.running.ledger.as_deref();
         let paths: Vec<_> = files.iter().map(OutputFile::path).chain(ledger).collect();
-        save::check_distinct(&self.scene, &paths)?;
+        let scene: Vec<_> = std::iter::once(&self.scene).chain(meshes).map(PathBuf::as_path).collect();
+        save::check_distinct(&scene, &paths)?;
         ledger.map_or(Ok(()), |path| check_writable(path, self.no_clobber))?;
         Ok(files)
     }

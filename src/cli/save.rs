@@ -25,11 +25,11 @@ pub fn check(paths: &[PathBuf], scene_name: Option<&str>, no_clobber: bool) -> R
     paths.iter().map(|path| OutputFile::check(path, no_clobber)).collect()
 }
 
-/// Refuses two outputs with one name, and an output that is the scene itself.
-pub fn check_distinct(scene: &Path, outputs: &[&Path]) -> Result<()> {
+/// Refuses two outputs with one name, and an output that is one of the files the scene is made of.
+pub fn check_distinct(scene: &[&Path], outputs: &[&Path]) -> Result<()> {
     for (i, path) in outputs.iter().enumerate() {
-        if same(path, scene) {
-            return Err(Error::Usage(format!("{}: the output is the scene itself", path.display())));
+        if scene.iter().any(|file| same(path, file)) {
+            return Err(Error::Usage(format!("{}: the output is a file of the scene itself", path.display())));
         }
         if outputs[..i].iter().any(|earlier| same(earlier, path)) {
             return Err(Error::Usage(format!("{}: two outputs have this name", path.display())));

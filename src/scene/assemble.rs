@@ -33,6 +33,8 @@ pub(super) struct RawScene {
     pub materials: Vec<(String, Recipe)>,
     /// Triangles left out for want of an area.
     pub degenerate: usize,
+    /// OBJ and MTL files that were read.
+    pub files: Vec<PathBuf>,
     /// Warnings with file and line.
     pub warnings: Vec<String>,
 }
@@ -78,6 +80,7 @@ pub(super) fn assemble_with(
         if !files.contains_key(entry.file.as_path()) {
             let mesh = ObjMesh::load(&entry.file, Some((path, entry.line)))?;
             assembly.raw.warnings.extend(mesh.warnings.iter().cloned());
+            assembly.raw.files.push(entry.file.clone());
             files.insert(entry.file.clone(), (mesh, None));
         }
         let Some((mesh, library)) = files.get_mut(entry.file.as_path()) else { continue };
@@ -86,6 +89,7 @@ pub(super) fn assemble_with(
         if library.is_none() && !entry.material.as_ref().is_some_and(in_scene) {
             let read = mesh.library()?;
             assembly.raw.warnings.extend(read.warnings.iter().cloned());
+            assembly.raw.files.extend(read.files.iter().cloned());
             *library = Some(read);
         }
         assembly.place(entry, mesh, library.as_ref())?;
@@ -104,6 +108,7 @@ pub(super) fn assemble_bare(path: &Path) -> Result<RawScene> {
     let mesh = ObjMesh::load(path, None)?;
     let library = mesh.library()?;
     assembly.raw.warnings.extend(mesh.warnings.iter().chain(&library.warnings).cloned());
+    assembly.raw.files.extend(library.files.iter().cloned());
     let transform = super::transform::Transform::IDENTITY;
     let entry = MeshEntry { file: path.to_owned(), line: 0, transform, material: None };
     assembly.place(&entry, &mesh, Some(&library))?;
@@ -262,6 +267,15 @@ pub(super) fn unit_normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
     (ab * scale).cross(ac * scale).try_normalize()
 }
 
+/// The unit vector nearest to `normal` on the side of `front`; both are unit vectors.
+fn onto_front(normal: DVec3, front: DVec3) -> DVec3 {
+    let height = normal.dot(front);
+    if height >= 0.0 {
+        return normal;
+    }
+    (normal - height * front).try_normalize().unwrap_or(front)
+}
+
 /// Unit normals on the side of the front, or nothing where all of them are the triangle's own.
 fn placed_corners(
     entry: &MeshEntry,
@@ -272,15 +286,17 @@ fn placed_corners(
     let mut normals = corners.normals.map(|normal| {
         let size = normal.abs().max_element();
         let turned = if size > 0.0 { entry.transform.normal(normal / size).try_normalize() } else { None };
-        match turned {
-            Some(unit) if unit.dot(front) < 0.0 => -unit,
-            Some(unit) => unit,
-            None => {
-                *zero_normals += 1;
-                front
-            }
-        }
+        turned.unwrap_or_else(|| {
+            *zero_normals += 1;
+            front
+        })
     });
+    // Normals of the wrong sign are so for the triangle as a whole: turned corner by corner, those of a triangle on a
+    // silhouette would point to opposite sides.
+    if (normals[0] + normals[1] + normals[2]).dot(front) < 0.0 {
+        normals = normals.map(|normal| -normal);
+    }
+    normals = normals.map(|normal| onto_front(normal, front));
     if normals.iter().all(|&normal| (normal - front).abs().max_element() <= SAME_NORMAL) {
         return None;
     }

@@ -74,6 +74,7 @@ fn finish(
     sky: Option<[f64; 3]>,
 ) -> Result<Scene> {
     let scaled = normalise(path, camera_line, &raw, &camera, sky)?;
+    let files = std::mem::take(&mut raw.files);
     let mut warnings = std::mem::take(&mut raw.warnings);
     if scaled.degenerate > 0 {
         warnings.push(format!("{}: {} degenerate triangles removed", path.display(), scaled.degenerate));
@@ -89,6 +90,6 @@ fn finish(
         materials: scaled.materials,
         sky: scaled.sky,
         scaling: scaled.scaling,
-        report: LoadReport { degenerate_triangles: scaled.degenerate, warnings },
+        report: LoadReport { files, degenerate_triangles: scaled.degenerate, warnings },
     })
 }

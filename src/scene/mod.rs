@@ -132,9 +132,11 @@ pub struct RenderDefaults {
     pub max_bounces: Option<u32>,
 }
 
-/// What loading left out or ignored.
+/// What loading read, left out or ignored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadReport {
+    /// The OBJ and MTL files that were read beside [`Scene::path`].
+    pub files: Vec<PathBuf>,
     /// Triangles without area that were removed.
     pub degenerate_triangles: usize,
     /// Warnings, one line each, with file and line where there is one.

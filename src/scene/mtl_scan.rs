@@ -3,7 +3,7 @@
 //! Comes in: the text of an MTL file. Goes out: the materials it defines, checked, and warnings. One warning names the
 //! statements that would change the look and are not supported.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::obj_scan::rest;
 use super::recipe::{Quantity, Recipe};
@@ -22,6 +22,8 @@ const LOOKS: [&str; 13] =
 pub(super) struct Library {
     /// Materials by name, in the order of the files.
     pub recipes: Vec<(String, Recipe)>,
+    /// The files that were read.
+    pub files: Vec<PathBuf>,
     /// Warnings with file and line.
     pub warnings: Vec<String>,
 }
@@ -34,6 +36,7 @@ impl Library {
 
     /// Adds the materials in `text`, which `path` holds. A name that is defined again is replaced, with a warning.
     pub(super) fn scan(&mut self, path: &Path, text: &str) -> Result<()> {
+        self.files.push(path.to_owned());
         let mut current: Option<usize> = None;
         let mut ignored: Vec<(String, usize)> = Vec::new();
         let mut unknown: Vec<(String, usize)> = Vec::new();
