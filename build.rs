@@ -20,8 +20,16 @@ mod interface;
 /// source named here is built only as listed. A specialisation constant is preferred wherever it can do the job; a
 /// define is needed where the *declared capabilities* differ, which no constant can take away.
 const VARIANTS: &[(&str, &str, &[&str])] = &[
-    ("path_trace", "path_trace.comp", &["SUBGROUP_BALLOT=1"]),
-    ("path_trace_plain", "path_trace.comp", &["SUBGROUP_BALLOT=0"]),
+    ("path_trace", "path_trace.comp", &["SUBGROUP_BALLOT=1", "KEEP_NAN=0"]),
+    ("path_trace_keep_nan", "path_trace.comp", &["SUBGROUP_BALLOT=1", "KEEP_NAN=1"]),
+    ("path_trace_plain", "path_trace.comp", &["SUBGROUP_BALLOT=0", "KEEP_NAN=0"]),
+    ("path_trace_plain_keep_nan", "path_trace.comp", &["SUBGROUP_BALLOT=0", "KEEP_NAN=1"]),
+    ("probe_sums", "probe_sums.comp", &["PRECISE=precise"]),
+    ("probe_sums_loose", "probe_sums.comp", &["PRECISE="]),
+    ("probe_startup", "probe_startup.comp", &["KEEP_NAN=0"]),
+    ("probe_startup_keep_nan", "probe_startup.comp", &["KEEP_NAN=1"]),
+    ("probe_trace", "probe_trace.comp", &["FUSED_EDGES=0"]),
+    ("probe_trace_fused", "probe_trace.comp", &["FUSED_EDGES=1"]),
 ];
 
 /// What a build step hands on, or the whole text to show when the build stops.
@@ -74,9 +82,10 @@ fn interface_glsl() -> Step<String> {
         "// Written by build.rs from src/interface.rs, where each name is explained.\n\
          #ifndef INTERFACE_GLSL\n#define INTERFACE_GLSL\n",
     );
-    let numbers = interface::SHADER_CONSTANTS.iter().chain(interface::PUSH_CONSTANTS);
+    let numbers = interface::SHADER_CONSTANTS.iter().chain(interface::PUSH_CONSTANTS).copied();
+    let guards = interface::GUARDS.iter().map(|&(name, number, ..)| (name, number));
     let mut names = BTreeSet::new();
-    for (name, value) in numbers {
+    for (name, value) in numbers.chain(guards) {
         if !names.insert(name) {
             return Err(format!("src/interface.rs lists {name} twice"));
         }

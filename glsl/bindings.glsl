@@ -2,16 +2,19 @@
 //
 // The scene's records are read through functions NAME_texel(i), one a buffer; a record's own fetch function (records/) is
 // their only caller. Each buffer has two bindings, a uniform texel buffer and its storage-buffer twin; a specialisation
-// constant picks one, and the other points at a shared null buffer and is never read.
+// constant picks one, and the other points at a shared null buffer and is never read. Texel buffers are declared as textures
+// without a sampler: SPIR-V deprecates the combination (1.6 forbids it), and newer drivers warn of it.
 #ifndef BINDINGS_GLSL
 #define BINDINGS_GLSL
+#extension GL_EXT_samplerless_texture_functions : require
 
+#include "guards.glsl"
 #include "interface.glsl"
 
 layout(constant_id = SPEC_STORAGE_RECORDS) const uint STORAGE_RECORDS = 0u;
 
 #define RECORD_BUFFER(name, number)                                                                                    \
-    layout(set = 0, binding = number) uniform usamplerBuffer name##_view;                                              \
+    layout(set = 0, binding = number) uniform utextureBuffer name##_view;                                              \
     layout(set = 0, binding = number + STORAGE_TWIN, std430) readonly buffer name##_block { uvec4 name##_words[]; };   \
     uvec4 name##_texel(uint i) {                                                                                       \
         return STORAGE_RECORDS != 0u ? name##_words[i] : texelFetch(name##_view, int(i));                              \
@@ -37,7 +40,7 @@ layout(set = 0, binding = BINDING_SUMS, std430) buffer OpenSums { uvec4 open_sum
 layout(set = 0, binding = BINDING_COUNTERS, std430) buffer Counters { uint counters[]; };
 
 // Questions to a probe kernel, and its answers (tests and self-tests; no kernel of a render names them).
-layout(set = 0, binding = BINDING_PROBE_INPUT) uniform usamplerBuffer probe_input;
+layout(set = 0, binding = BINDING_PROBE_INPUT) uniform utextureBuffer probe_input;
 layout(set = 0, binding = BINDING_PROBE_OUTPUT, std430) buffer ProbeOutput { uvec4 probe_output[]; };
 
 layout(push_constant) uniform Push {

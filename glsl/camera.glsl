@@ -5,10 +5,16 @@
 #include "effects.glsl"
 #include "records/camera.glsl"
 
+// Entry of the filter's table below `place`. Held in range as an integer: what a float beyond 2^32, or a NaN, becomes is
+// undefined, and a clamp before the conversion would let a NaN through.
+uint filter_entry(float place) {
+    return guarded(GUARD_INTEGER_CLAMP) ? min(uint(place), FILTER_ENTRIES - 2u) : uint(place);
+}
+
 // Offset from the pixel's centre at probability `u`, by linear interpolation of the filter's inverse distribution.
 float filter_offset(float u) {
     float place = u * float(FILTER_ENTRIES - 1u);
-    uint entry = min(uint(place), FILTER_ENTRIES - 2u);
+    uint entry = filter_entry(place);
     float low = fetch_filter(entry);
     float high = fetch_filter(entry + 1u);
     precise float offset = low + (high - low) * (place - float(entry));

@@ -18,28 +18,53 @@
 #include "shading/interaction.glsl"
 #include "shading/light.glsl"
 
-// A shadow ray ends at t = 1 on its light; blockers count up to here. Emitters' keys are lowered by 2^-16 and must not
-// shadow each other where two of them meet in one plane.
-const float SHADOW_LIMIT = 0.999969482421875; // 1 - 2^-15
-
 // Iterations that shading may spend in loops: the search for a light among at most 2^31.
 const uint SHADING_STEPS = 34u;
 
-// Steps set aside for the loops that load and save the stack, should a driver not unroll them: all lanes of a vector run
-// them together, 2 x 64 iterations for 8 lanes.
-const uint RESERVED_STEPS = 16u;
+// Steps set aside for the loops that load and save the stack and add to the counters, should a driver not unroll them: all
+// lanes of a vector run them together, 2 x 64 + 11 iterations for 8 lanes.
+const uint RESERVED_STEPS = 18u;
 
 // Counts of one invocation, added to the counters when it ends.
 struct Tally {
     uint steps, rays, paths, nodes, triangles;
-    uint nan, infinite, negative; // Samples left out, by cause.
+    uvec2 invalid; // Samples left out by kind, then by cause: fields of five bits, as an invocation ends at most 16 samples.
 };
+
+// Fields in a word of `Tally.invalid`.
+const uint INVALID_FIELDS = 6u;
+
+// Counts a sample that is left out in field `index`.
+void count_invalid(inout Tally tally, uint index) {
+    uint one = 1u << (5u * (index % INVALID_FIELDS));
+    tally.invalid += index < INVALID_FIELDS ? uvec2(one, 0u) : uvec2(0u, one);
+}
+
+uint invalid_count(Tally tally, uint index) {
+    uint word = index < INVALID_FIELDS ? tally.invalid.x : tally.invalid.y;
+    return (word >> (5u * (index % INVALID_FIELDS))) & 31u;
+}
+
+const uint INFINITY_BITS = 0x7f800000u;
+
+// Whether a radiance or throughput is not a number, larger than the float of the bits `limit`, or negative (as unsigned
+// words those are above all others; no stage makes a negative zero). By bits: a driver may fold away a comparison with NaN.
+bool is_invalid(vec3 v, uint limit) {
+    uvec3 words = floatBitsToUint(v);
+    return max(max(words.x, words.y), words.z) > limit;
+}
+
+// Notes the first stage of a sample that made an invalid number.
+void note_cause(inout Path path, bool invalid, uint cause) {
+    path.cause = invalid && path.cause == CAUSE_SUM ? cause : path.cause;
+}
 
 // The ray that goes on from a surface, and the one that looks for its light sample.
 struct Departure {
     vec3 o;              // Origin of both.
     uint triangle;       // The triangle that they leave, in leaf order.
     vec3 shadow_d;       // Direction of the shadow ray; it ends at t = 1.
+    float shadow_limit;  // What it meets counts below this t.
     uint shadow_triangle; // The light's triangle, in leaf order.
     bool casts;          // Whether there is a shadow ray.
 };
@@ -62,32 +87,37 @@ float emission_weight(Path path, Interaction it, float cosine) {
 bool survives(inout Path path, uint word) {
     float q = 1.0;
     if (ROULETTE == ROULETTE_THROUGHPUT) {
-        precise float largest =
-            greater(greater(path.throughput.r, path.throughput.g), path.throughput.b) * path.eta_scale;
-        q = path.bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : lesser(greater(largest, 0.05), 0.95);
+        float scale = guarded(GUARD_ROULETTE_SCALE) ? path.eta_scale : 1.0;
+        precise float largest = greater(greater(path.throughput.r, path.throughput.g), path.throughput.b) * scale;
+        float chance = guarded(GUARD_ROULETTE_RANGE) ? lesser(greater(largest, 0.05), 0.95) : largest;
+        q = path.bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : chance;
     } else if (ROULETTE == ROULETTE_FIXED) {
         q = push.roulette_p;
     } else {
         return true;
     }
-    precise vec3 raised = path.throughput / q;
-    path.throughput = raised;
+    if (guarded(GUARD_ROULETTE_WEIGHT)) {
+        precise vec3 raised = path.throughput / q;
+        path.throughput = raised;
+    }
     // Asked this way round, a NaN goes on to where it is counted.
     return !(unit_float(word) >= q);
 }
 
 // A finished extension ray: emission, light sample, next direction.
 Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
-    Departure departure = Departure(vec3(0.0), NO_INDEX, vec3(0.0), NO_INDEX, false);
+    Departure departure = Departure(vec3(0.0), NO_INDEX, vec3(0.0), 1.0, NO_INDEX, false);
     path.extends = false;
     Hit hit = path.traversal.best;
     if (hit.triangle == NO_INDEX) {
         if (!is_traceable(path.o, path.d)) {
             // Not a miss: a ray that is no ray. Its sample is left out, and counted.
             path.radiance = vec3(uintBitsToFloat(0x7fc00000u));
+            note_cause(path, path.bounce == 0u, CAUSE_CAMERA);
         } else if (HAS_SKY != 0u) {
             precise vec3 sum = path.radiance + path.throughput * vec3(push.sky_r, push.sky_g, push.sky_b);
             path.radiance = sum;
+            note_cause(path, is_invalid(sum, MAX_SAMPLE_RADIANCE_BITS), CAUSE_SKY);
         }
         return departure;
     }
@@ -97,6 +127,7 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
         float weight = emission_weight(path, it, dot(it.ng, wo));
         precise vec3 sum = path.radiance + path.throughput * (it.material.emission * weight);
         path.radiance = sum;
+        note_cause(path, is_invalid(sum, MAX_SAMPLE_RADIANCE_BITS), CAUSE_EMISSION);
     }
     if (path.bounce >= push.max_bounces) {
         return departure;
@@ -119,9 +150,11 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
         LightSample arriving = sample_light(it, departure.o, light, unit_float2(point));
         precise vec3 pending = path.throughput * arriving.radiance;
         path.pending = pending;
+        note_cause(path, is_invalid(pending, MAX_SAMPLE_RADIANCE_BITS), CAUSE_LIGHT);
         // A NaN casts its ray too: it shall reach the sample's sum, where it is counted, not vanish here.
         departure.casts = pending.r != 0.0 || pending.g != 0.0 || pending.b != 0.0;
         departure.shadow_d = arriving.d;
+        departure.shadow_limit = arriving.limit;
         departure.shadow_triangle = arriving.triangle;
     }
     precise vec3 throughput = path.throughput * sampled.weight;
@@ -130,12 +163,21 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
     path.pdf = sampled.pdf;
     path.specular = !lambert;
     path.wi = sampled.wi;
+    uint lobe_cause = lambert ? CAUSE_LAMBERT : (it.material.kind == MATERIAL_MIRROR ? CAUSE_MIRROR : CAUSE_GLASS);
+    bool lobe_fails = is_invalid(throughput, INFINITY_BITS - 1u) || is_invalid(abs(sampled.wi), INFINITY_BITS - 1u);
+    note_cause(path, lobe_fails, lobe_cause);
     bool carries = throughput.r != 0.0 || throughput.g != 0.0 || throughput.b != 0.0;
     path.extends = survives(path, choices.y) && carries;
     return departure;
 }
 
-// Adds the sample's radiance to the block's sum, if it is a number; otherwise it is left out and counted. Bits of the
+// A pixel's open sum with one sample more.
+uvec4 add_sample(uvec4 open_sum, vec3 radiance) {
+    precise vec3 sum = uintBitsToFloat(open_sum.rgb) + radiance;
+    return uvec4(floatBitsToUint(sum), open_sum.a + 1u);
+}
+
+// Ends the sample: its radiance enters the block's sum if it is a number; otherwise it is left out and counted. Bits of the
 // magnitude decide: a comparison of floats may be folded away by a driver that assumes there is no NaN.
 void end_sample(inout Path path, inout uvec4 open_sum, inout Tally tally) {
     uvec3 words = floatBitsToUint(path.radiance);
@@ -144,12 +186,11 @@ void end_sample(inout Path path, inout uvec4 open_sum, inout Tally tally) {
     bool nan = largest > 0x7f800000u;
     bool infinite = !nan && largest > MAX_SAMPLE_RADIANCE_BITS;
     bool negative = !nan && !infinite && max(max(words.x, words.y), words.z) > 0x80000000u;
-    tally.nan += nan ? 1u : 0u;
-    tally.infinite += infinite ? 1u : 0u;
-    tally.negative += negative ? 1u : 0u;
-    if (!nan && !infinite && !negative) {
-        precise vec3 sum = uintBitsToFloat(open_sum.rgb) + path.radiance;
-        open_sum = uvec4(floatBitsToUint(sum), open_sum.a + 1u);
+    if ((nan || infinite || negative) && guarded(GUARD_INVALID_SAMPLES)) {
+        count_invalid(tally, nan ? INVALID_NAN : (infinite ? INVALID_INFINITE : INVALID_NEGATIVE));
+        count_invalid(tally, INVALID_KINDS + path.cause);
+    } else {
+        open_sum = add_sample(open_sum, path.radiance);
     }
     tally.paths++;
     path.samples_done++;
@@ -158,7 +199,7 @@ void end_sample(inout Path path, inout uvec4 open_sum, inout Tally tally) {
 // Takes the path from a finished ray (or from nothing) to its next one, or to the end of the run.
 void advance(inout Path path, Camera camera, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
     uint pixel_key = pixel.x | (pixel.y << 16);
-    Departure departure = Departure(path.o, path.skip, vec3(0.0), NO_INDEX, false);
+    Departure departure = Departure(path.o, path.skip, vec3(0.0), 1.0, NO_INDEX, false);
     if (path.phase == PHASE_SHADOW && path.traversal.best.triangle == NO_INDEX) {
         precise vec3 sum = path.radiance + path.pending;
         path.radiance = sum;
@@ -182,13 +223,14 @@ void advance(inout Path path, Camera camera, uvec2 pixel, inout uvec4 open_sum, 
         }
         uvec2 u = random_pair(pixel_key, path.samples_done, pair_number(0u, PAIR_FILM));
         d = camera_direction(camera, pixel, unit_float2(u));
-        departure = Departure(camera.origin, NO_INDEX, vec3(0.0), NO_INDEX, false);
+        departure = Departure(camera.origin, NO_INDEX, vec3(0.0), 1.0, NO_INDEX, false);
         path.bounce = 0u;
         path.specular = true;
         path.throughput = vec3(1.0);
         path.radiance = vec3(0.0);
         path.pdf = 0.0;
         path.eta_scale = 1.0;
+        path.cause = CAUSE_SUM;
     }
     path.phase = next;
     path.o = departure.o;
@@ -197,7 +239,7 @@ void advance(inout Path path, Camera camera, uvec2 pixel, inout uvec4 open_sum, 
     path.skip_too = departure.shadow_triangle;
     Hit none = no_hit();
     if (next == PHASE_SHADOW) {
-        none = no_hit_below(SHADOW_LIMIT);
+        none = no_hit_below(departure.shadow_limit);
     } else {
         path.skip_too = NO_INDEX;
     }

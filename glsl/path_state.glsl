@@ -29,6 +29,7 @@ struct Path {
     float pdf;             // Density of the extension ray's direction.
     float eta_scale;       // Product of squared relative indices: throughput * eta_scale has no refraction scaling.
     uint skip, skip_too;   // Triangles that the ray cannot hit (leaf order).
+    uint cause;            // CAUSE_ value: the first stage of this sample whose numbers were invalid.
     Traversal traversal;
 };
 
@@ -57,9 +58,10 @@ uvec2 load_uvec2(uint field, uint pixel) {
     return uvec2(path_words[state_word(field, pixel)], path_words[state_word(field + 1u, pixel)]);
 }
 
-// Word 0 of a state: phase in bits 0 and 1, then specular, extends, searching.
+// Word 0 of a state: phase in bits 0 and 1, then specular, extends, searching, and the cause in bits 5 to 7.
 uint pack_flags(Path path) {
-    return path.phase | (path.specular ? 4u : 0u) | (path.extends ? 8u : 0u) | (path.traversal.searching ? 16u : 0u);
+    return path.phase | (path.specular ? 4u : 0u) | (path.extends ? 8u : 0u) | (path.traversal.searching ? 16u : 0u) |
+           (path.cause << 5);
 }
 
 // A finished pixel keeps its flags alone: the next run begins anew.
@@ -103,6 +105,7 @@ Path load_path(uint pixel) {
     path.phase = flags & 3u;
     path.specular = (flags & 4u) != 0u;
     path.extends = (flags & 8u) != 0u;
+    path.cause = (flags >> 5) & 7u;
     path.samples_done = path_words[state_word(1u, pixel)];
     path.bounce = path_words[state_word(2u, pixel)];
     path.o = load_vec3(3u, pixel);

@@ -9,6 +9,13 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 #endif
 
+#if KEEP_NAN
+#extension GL_EXT_spirv_intrinsics : require
+// SignedZeroInfNanPreserve for 32-bit floats (SPV_KHR_float_controls): the driver may not assume that there is no NaN, so
+// what a stage got wrong reaches the sample's sum, where it is counted.
+spirv_execution_mode(extensions = ["SPV_KHR_float_controls"], capabilities = [4466], 4461, 32);
+#endif
+
 #include "bindings.glsl"
 #include "path.glsl"
 
@@ -77,6 +84,7 @@ void main() {
         path.phase = PHASE_CAMERA;
         path.extends = false;
         path.samples_done = 0u;
+        path.cause = CAUSE_SUM;
         path.traversal = begin_traversal(no_hit(), vec3(0.0), vec3(0.0)); // nothing to search yet
         open_sum = push.first_sample % BLOCK_SAMPLES == 0u ? uvec4(0u) : open_sums[tile_pixel];
     } else {
@@ -87,7 +95,7 @@ void main() {
         open_sum = open_sums[tile_pixel];
     }
 
-    Tally tally = Tally(RESERVED_STEPS, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
+    Tally tally = Tally(RESERVED_STEPS, 0u, 0u, 0u, 0u, uvec2(0u));
     run_path(path, fetch_camera(), pixel, open_sum, tally);
 
     store_path(path, tile_pixel);
@@ -100,10 +108,12 @@ void main() {
     atomicAdd(counters[COUNTER_NODES], tally.nodes);
     atomicAdd(counters[COUNTER_TRIANGLES], tally.triangles);
     atomicMax(counters[COUNTER_MAX_STEPS], tally.steps);
-    if ((tally.nan | tally.infinite | tally.negative | stack_overflows) != 0u) {
-        atomicAdd(counters[COUNTER_INVALID_NAN], tally.nan);
-        atomicAdd(counters[COUNTER_INVALID_INFINITE], tally.infinite);
-        atomicAdd(counters[COUNTER_INVALID_NEGATIVE], tally.negative);
+    if (stack_overflows != 0u) {
         atomicAdd(counters[COUNTER_STACK_OVERFLOW], stack_overflows);
+    }
+    if ((tally.invalid.x | tally.invalid.y) != 0u) {
+        for (uint index = 0u; index < INVALID_COUNTS; index++) {
+            atomicAdd(counters[COUNTER_INVALID + index], invalid_count(tally, index));
+        }
     }
 }

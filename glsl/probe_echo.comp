@@ -4,11 +4,12 @@
 // invocations past the end do nothing.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
 #include "interface.glsl"
 
 layout(local_size_x = 64) in;
 
-layout(set = 0, binding = BINDING_PROBE_INPUT) uniform usamplerBuffer probe_input;
+layout(set = 0, binding = BINDING_PROBE_INPUT) uniform utextureBuffer probe_input;
 layout(set = 0, binding = BINDING_PROBE_OUTPUT, std430) writeonly buffer ProbeOutput { uvec4 probe_output[]; };
 layout(push_constant) uniform Push { uint texels; };
 

@@ -11,6 +11,7 @@
 //   7  make_basis: [n, 0]                         -> [n . (s x t), |s|^2 - 1, |t|^2 - 1, largest |dot| of two of s, t, n]
 //   8  power_heuristic: [a, b, 0, 0]              -> [weight of a, weight of b, 0, 0]
 //   9  pick_light: [word, 0, 0, 0]                -> [light, 0, 0, 0]
+//  10  pick_light of four words                   -> four lights
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -63,6 +64,11 @@ void main() {
     } else if (push.flags == 9u) {
         uint steps = 0u;
         probe_output[index] = uvec4(pick_light(words.x, steps), steps, 0u, 0u);
+        return;
+    } else if (push.flags == 10u) {
+        uint steps = 0u;
+        probe_output[index] = uvec4(pick_light(words.x, steps), pick_light(words.y, steps), pick_light(words.z, steps),
+                                    pick_light(words.w, steps));
         return;
     }
     probe_output[index] = floatBitsToUint(result);

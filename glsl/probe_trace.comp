@@ -1,12 +1,15 @@
 // Probe for tests: the hits of given rays, by the renderer's own traversal.
 //
 // In: two texels a ray, [o.xyz, skip], [d.xyz, limit]; limit 0 asks for the closest hit, anything else for any hit before it.
-// push.samples rays. Out: two texels a ray, [key, id, triangle, searching] and [b1, b2, nodes, triangles tested].
+// push.samples rays. FUSED_EDGES builds the mutant of a driver that fuses. Out: two texels a ray, [key, id, triangle, searching] and [b1, b2, nodes, triangles tested].
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #include "bindings.glsl"
-#include "trace/traversal.glsl"
+#if FUSED_EDGES
+#include "mutants/fused_edge.glsl"
+#endif
+#include "probes/walk.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -24,23 +27,8 @@ void main() {
     if (shadow) {
         start = no_hit_below(limit);
     }
-    Traversal traversal = begin_traversal(start, ray.o, ray.d);
-    uint nodes = 0u;
-    uint triangles = 0u;
-    while (traversal.searching) {
-        if (traversal.triangles.y == 0u) {
-            visit_node(traversal, ray);
-            nodes++;
-        }
-        while (traversal.triangles.y != 0u) {
-            visit_triangle(traversal, ray, t0.w, NO_INDEX, shadow);
-            triangles++;
-        }
-        if (!nodes_left(traversal)) {
-            traversal.searching = false;
-        }
-    }
-    Hit hit = traversal.best;
+    uint nodes, triangles;
+    Hit hit = walk(ray, start, t0.w, NO_INDEX, shadow, nodes, triangles).best;
     probe_output[2u * index] = uvec4(floatBitsToUint(hit.key), hit.id, hit.triangle, 0u);
     probe_output[2u * index + 1u] = uvec4(floatBitsToUint(hit.b1), floatBitsToUint(hit.b2), nodes, triangles);
 }

@@ -119,18 +119,44 @@ pub const COUNTER_PATHS: u32 = 2;
 pub const COUNTER_MAX_STEPS: u32 = 3;
 /// Traversal-stack overflows: proves the depth bound.
 pub const COUNTER_STACK_OVERFLOW: u32 = 4;
-/// Samples left out because their radiance was not a number.
-pub const COUNTER_INVALID_NAN: u32 = 5;
-/// Samples left out because their radiance was infinite, or too large for the film's fixed-point sums.
-pub const COUNTER_INVALID_INFINITE: u32 = 6;
-/// Samples left out because their radiance was negative.
-pub const COUNTER_INVALID_NEGATIVE: u32 = 7;
 /// Node visits (one a step of a tree).
-pub const COUNTER_NODES: u32 = 8;
+pub const COUNTER_NODES: u32 = 5;
 /// Triangle tests.
-pub const COUNTER_TRIANGLES: u32 = 9;
+pub const COUNTER_TRIANGLES: u32 = 6;
+/// First counter of the samples left out: one a kind, then one a cause.
+pub const COUNTER_INVALID: u32 = 7;
 /// Number of counters.
-pub const COUNTERS: u32 = 10;
+pub const COUNTERS: u32 = COUNTER_INVALID + INVALID_COUNTS;
+
+/// Kind of invalid sample: its radiance is not a number.
+pub const INVALID_NAN: u32 = 0;
+/// Kind of invalid sample: infinite, or too large for the film's fixed-point sums.
+pub const INVALID_INFINITE: u32 = 1;
+/// Kind of invalid sample: negative.
+pub const INVALID_NEGATIVE: u32 = 2;
+/// Number of kinds; the causes are counted after them.
+pub const INVALID_KINDS: u32 = 3;
+/// Kinds and causes.
+pub const INVALID_COUNTS: u32 = INVALID_KINDS + CAUSES;
+
+/// Cause of an invalid sample: no stage alone, its terms were valid and their sum is not.
+pub const CAUSE_SUM: u32 = 0;
+/// Cause: the camera's ray.
+pub const CAUSE_CAMERA: u32 = 1;
+/// Cause: emission that a ray met, or its weight.
+pub const CAUSE_EMISSION: u32 = 2;
+/// Cause: the sky.
+pub const CAUSE_SKY: u32 = 3;
+/// Cause: a light sample.
+pub const CAUSE_LIGHT: u32 = 4;
+/// Cause: a direction that the Lambert lobe sampled, or its weight.
+pub const CAUSE_LAMBERT: u32 = 5;
+/// Cause: a direction of a mirror, or its weight.
+pub const CAUSE_MIRROR: u32 = 6;
+/// Cause: a direction of glass, or its weight.
+pub const CAUSE_GLASS: u32 = 7;
+/// Number of causes.
+pub const CAUSES: u32 = 8;
 
 // ---- Path state, one word a field and pixel: word `field * tile_pixels + pixel` -----------------------------------
 
@@ -163,6 +189,8 @@ pub const SPEC_HEMISPHERE: u32 = 8;
 pub const SPEC_ROULETTE: u32 = 9;
 /// Lanes refill when fewer than this many eighths of the subgroup still trace.
 pub const SPEC_REFILL_EIGHTHS: u32 = 10;
+/// The guard (`GUARD_*`) that a kernel is built without: tests and studies only, a user's render has them all.
+pub const SPEC_WITHOUT_GUARD: u32 = 11;
 /// First effect switch; effect `e` has the constant `SPEC_EFFECTS + e`, 1 where it is on.
 pub const SPEC_EFFECTS: u32 = 32;
 
@@ -235,6 +263,64 @@ pub const MIN_STEP_BUDGET: u32 = 64;
 /// Dispatch flag: the first dispatch of a run for these pixels; path states are begun, not read.
 pub const DISPATCH_BEGINS_RUN: u32 = 1;
 
+// ---- Guards: what keeps the hard cases right -----------------------------------------------------------------------
+
+/// No guard is out.
+pub const GUARD_NONE: u32 = 0;
+
+/// A constant for each guard, and the list of them.
+macro_rules! guards {
+    ($($name:ident = $number:literal, case $case:literal: $purpose:literal;)*) => {
+        $(#[doc = $purpose] #[doc = concat!("(hard case ", $case, ").")] pub const $name: u32 = $number;)*
+
+        /// Every guard: its name and number, the hard case that it cures first of all, and what it does, a sentence without
+        /// its end. Guards of the host have numbers too, and no shader asks for them.
+        pub const GUARDS: &[(&str, u32, u8, &str)] = &[$((stringify!($name), $number, $case, $purpose)),*];
+    };
+}
+
+guards! {
+    GUARD_NODE_PAD = 1, case 22: "Nodes' boxes grow by a share of the ray's reach";
+    GUARD_TRIANGLE_BOX = 2, case 16: "A hit counts only where the ray meets the triangle's own padded box, and not before it";
+    GUARD_DIRECTION_FLOOR = 3, case 22: "Direction components count as at least 1e-18 in box tests";
+    GUARD_CULL_SLACK = 4, case 23: "A box is left out only where it is entered clearly beyond the best hit";
+    GUARD_EMITTER_NEARER = 5, case 20: "An emitter in the plane of another surface comes first";
+    GUARD_SHADOW_LIMIT = 6, case 33: "A shadow ray ends a little before its light";
+    GUARD_SPAWN_OFFSET = 7, case 32: "A ray starts beyond the error of the point that it leaves";
+    GUARD_SKIP_SOURCE = 8, case 30: "A ray does not meet the triangle that it leaves";
+    GUARD_SKIP_LIGHT = 9, case 33: "A shadow ray does not meet the light that it aims at";
+    GUARD_UNFUSED_EDGES = 10, case 13: "Edge functions round both of their products";
+    GUARD_REFUSE_INVALID_RAYS = 11, case 29: "A ray that is not finite hits nothing, at no cost";
+    GUARD_EXACT_DETERMINANT = 12, case 14: "Only a determinant of exactly 0 is refused, not a small one";
+    GUARD_INVALID_SAMPLES = 13, case 1: "A sample that is not a number is left out and counted";
+    GUARD_UNIT_FLOAT = 14, case 61: "Random floats have 24 bits, so that none is 1";
+    GUARD_HASH_SHIFT = 15, case 62: "The low bits of the hash depend on all of its input";
+    GUARD_BOUNCE_DIMENSIONS = 16, case 64: "Each bounce draws dimensions of its own";
+    GUARD_ROULETTE_RANGE = 17, case 65: "Survival has a probability within [0.05, 0.95]";
+    GUARD_ROULETTE_WEIGHT = 18, case 65: "A survivor is worth more by as much as survival was unlikely";
+    GUARD_ROULETTE_SCALE = 19, case 65: "Roulette judges the throughput without refraction's scaling";
+    GUARD_COMPENSATED_SUM = 20, case 58: "A sum carries what rounding took from it";
+    GUARD_FRESNEL_PRODUCT = 21, case 50: "1 - c^2 is (1 - c)(1 + c)";
+    GUARD_TOTAL_REFLECTION = 22, case 51: "Beyond the critical angle all light is reflected";
+    GUARD_RADIANCE_SCALE = 23, case 53: "Radiance scales by 1/eta^2 where it enters a denser medium";
+    GUARD_GEOMETRIC_SIDE = 24, case 34: "Directions that the shading normal allows, but the surface hides, carry nothing";
+    GUARD_NORMAL_SIDE = 25, case 35: "Normals are turned to the side that is seen";
+    GUARD_HEURISTIC_RATIO = 26, case 45: "The heuristic divides before it squares";
+    GUARD_MIS_WEIGHT = 27, case 38: "A light sample counts by its share of both strategies";
+    GUARD_LIGHT_COSINE = 28, case 43: "A light sends nothing from its back";
+    GUARD_DISC_RENORMALISE = 29, case 7: "A point made of sine and cosine is put back on its circle";
+    GUARD_BASIS_SIGN = 30, case 55: "The basis around a normal changes form at the equator";
+    GUARD_GGX_VECTOR_FORM = 31, case 47: "The GGX distribution is a sum of squares, not a difference";
+    GUARD_GGX_CANCELLED_COSINES = 32, case 48: "Masking is divided by its cosines on paper";
+    GUARD_SOLID_ANGLE_EDGES = 33, case 39: "The solid angle of a small triangle is made of its edges";
+    GUARD_EDGE_MARGIN = 34, case 32: "A ray starts off the edges of the triangle that it leaves";
+    GUARD_INTEGER_CLAMP = 35, case 9: "A float that becomes an index is held in range as an integer";
+    GUARD_RECENTRE = 36, case 70: "The scene is moved so that its centre is the origin (host)";
+    GUARD_RESCALE = 37, case 70: "The scene is scaled so that its extent lies in [1, 2) (host)";
+    GUARD_STACK_DEPTH = 38, case 26: "The traversal stack is as deep as the tree, by the builder's bound (host)";
+    GUARD_DROP_DEGENERATE = 39, case 18: "Triangles without area are dropped at load (host)";
+}
+
 // ---- Push constants: byte offsets ---------------------------------------------------------------------------------
 
 /// Name and byte offset of each push constant; every one is four bytes.
@@ -265,10 +351,10 @@ pub const PUSH_CONSTANTS: &[(&str, u32)] = &[
 pub const PUSH_CONSTANT_BYTES: u32 = 84;
 
 /// Bits of the f32 2^32: a sample of larger radiance (in units of the brightest emission) is left out as infinite, so that
-/// a block sums to at most 2^36, which the film's fixed-point sums hold without overflow over 2^27 blocks.
+/// a block sums to at most 2^36, which the film's fixed-point sums hold.
 pub const MAX_SAMPLE_RADIANCE_BITS: u32 = 0x4f80_0000;
 
-/// The constants that `build.rs` writes to `interface.glsl`, as `(name, value)`, all `uint`.
+/// The constants that `build.rs` writes to `interface.glsl`, as `(name, value)`, all `uint`; those of [`GUARDS`] come too.
 #[rustfmt::skip]
 pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
     ("BINARY_NODE_TEXELS", BINARY_NODE_TEXELS), ("WIDE_NODE_TEXELS", WIDE_NODE_TEXELS),
@@ -287,9 +373,12 @@ pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
     ("BINDING_PROBE_INPUT", BINDING_PROBE_INPUT), ("BINDING_PROBE_OUTPUT", BINDING_PROBE_OUTPUT),
     ("COUNTER_UNFINISHED", COUNTER_UNFINISHED), ("COUNTER_RAYS", COUNTER_RAYS), ("COUNTER_PATHS", COUNTER_PATHS),
     ("COUNTER_MAX_STEPS", COUNTER_MAX_STEPS), ("COUNTER_STACK_OVERFLOW", COUNTER_STACK_OVERFLOW),
-    ("COUNTER_INVALID_NAN", COUNTER_INVALID_NAN), ("COUNTER_INVALID_INFINITE", COUNTER_INVALID_INFINITE),
-    ("COUNTER_INVALID_NEGATIVE", COUNTER_INVALID_NEGATIVE), ("COUNTER_NODES", COUNTER_NODES),
-    ("COUNTER_TRIANGLES", COUNTER_TRIANGLES), ("COUNTERS", COUNTERS),
+    ("COUNTER_NODES", COUNTER_NODES), ("COUNTER_TRIANGLES", COUNTER_TRIANGLES), ("COUNTER_INVALID", COUNTER_INVALID),
+    ("COUNTERS", COUNTERS), ("INVALID_NAN", INVALID_NAN), ("INVALID_INFINITE", INVALID_INFINITE),
+    ("INVALID_NEGATIVE", INVALID_NEGATIVE), ("INVALID_KINDS", INVALID_KINDS), ("INVALID_COUNTS", INVALID_COUNTS),
+    ("CAUSE_SUM", CAUSE_SUM), ("CAUSE_CAMERA", CAUSE_CAMERA), ("CAUSE_EMISSION", CAUSE_EMISSION),
+    ("CAUSE_SKY", CAUSE_SKY), ("CAUSE_LIGHT", CAUSE_LIGHT), ("CAUSE_LAMBERT", CAUSE_LAMBERT),
+    ("CAUSE_MIRROR", CAUSE_MIRROR), ("CAUSE_GLASS", CAUSE_GLASS),
     ("PATH_WORDS", PATH_WORDS), ("STACK_ENTRY_WORDS", STACK_ENTRY_WORDS),
     ("SPEC_WORKGROUP_X", SPEC_WORKGROUP_X), ("SPEC_WORKGROUP_Y", SPEC_WORKGROUP_Y),
     ("SPEC_STORAGE_RECORDS", SPEC_STORAGE_RECORDS), ("SPEC_ACCEL", SPEC_ACCEL),
@@ -307,4 +396,5 @@ pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
     ("ROULETTE_OFF", ROULETTE_OFF), ("ROULETTE_THROUGHPUT", ROULETTE_THROUGHPUT), ("ROULETTE_FIXED", ROULETTE_FIXED),
     ("ROULETTE_FIRST_BOUNCE", ROULETTE_FIRST_BOUNCE), ("BLOCK_SAMPLES", BLOCK_SAMPLES),
     ("DISPATCH_BEGINS_RUN", DISPATCH_BEGINS_RUN), ("MAX_SAMPLE_RADIANCE_BITS", MAX_SAMPLE_RADIANCE_BITS),
+    ("SPEC_WITHOUT_GUARD", SPEC_WITHOUT_GUARD), ("GUARD_NONE", GUARD_NONE),
 ];

@@ -20,6 +20,7 @@ pub mod interface;
 pub mod output;
 pub mod render;
 pub mod scene;
+pub mod selftest;
 pub mod settings;
 pub mod texels;
 

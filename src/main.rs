@@ -1,6 +1,6 @@
 //! The `texray` program: run one command, print the error, set the exit code.
 //!
-//! Exit codes: 0 done, 1 internal, 2 usage, 3 bad scene or input, 4 no usable device or device lost, 5 output, 7 invalid
+//! Exit codes: 0 done, 1 internal or a failed self-test, 2 usage, 3 bad scene or input, 4 no usable device or device lost, 5 output, 7 invalid
 //! samples under `--strict`, 128 + n after signal n (129, 130, 143), with the picture saved.
 
 #![deny(unsafe_code)]
@@ -28,6 +28,7 @@ fn main() -> ExitCode {
             say(&format!("error: {count} invalid samples were left out (--strict)"));
             INVALID_SAMPLES
         }
+        Ok(Ok(Outcome::HardCasesFailed)) => INTERNAL,
         Ok(Ok(Outcome::Signal(signal))) => SIGNAL.saturating_add(signal),
         Ok(Err(Failure::Arguments(error))) => {
             // Help and version come this way too, with the code 0 and on stdout. Nothing can be told to a closed stream.

@@ -127,8 +127,11 @@ fn json_is_one_document() {
     assert_eq!((&document["stop_reason"], &document["triangles"]), (&"spp".into(), &4.into()));
     assert!(document["error"]["relative_rmse"].as_f64().is_some_and(|error| error > 0.0));
     assert!(document["bias"]["bounce_cap"].is_null());
-    for cause in ["nan", "infinite", "negative"] {
+    for cause in ["sum", "camera", "emission", "sky", "light", "lambert", "mirror", "glass"] {
         assert_eq!(document["invalid_samples"][cause], 0);
+    }
+    for kind in ["nan", "infinite", "negative"] {
+        assert_eq!(document["invalid_kinds"][kind], 0);
     }
     assert!(document["bytes"]["uploaded"].as_u64().is_some_and(|bytes| bytes > 0));
 }
@@ -218,6 +221,13 @@ fn devices_are_listed_and_refused() {
     let folder = folder();
     let devices = json(folder.path(), &["devices", "--json"]);
     assert!(devices["devices"].as_array().is_some_and(|devices| !devices.is_empty()));
+    let probes = devices["devices"][0]["startup"].as_array().expect("a usable device is probed");
+    for name in ["nan", "loops", "rounding", "sine and cosine", "division", "square root", "denormals"] {
+        let probe = probes.iter().find(|probe| probe["what"] == name).unwrap_or_else(|| panic!("{name} in {probes:?}"));
+        assert_eq!(probe["passes"], true, "{probe}");
+    }
+    let verbose = texray(folder.path(), &["devices", "-v"]);
+    assert!(text(&verbose.stdout).contains("probe: loops"), "{}", text(&verbose.stdout));
     refused(folder.path(), &["render", "room.toml", "--device", "999"], 2, "999");
     refused(folder.path(), &["render", "room.toml", "--device", "no such device"], 2, "no such device");
 }

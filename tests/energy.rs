@@ -7,6 +7,7 @@
 
 mod harness;
 
+use harness::Assert;
 use harness::device::{plain_settings, render};
 use harness::scenes::{SceneBuilder, camera, glass, lambert, mirror};
 use harness::statistics::{Moments, critical_z, z_test};

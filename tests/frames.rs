@@ -3,12 +3,10 @@
 //! All tests are exact: bytes of the picture are compared. Scenes of the repository at a small size stand for every effect.
 
 mod harness;
-#[path = "bvh/meshes.rs"]
-#[allow(dead_code)]
-mod meshes;
 
 use glam::DVec3;
 use harness::device::{assert_same, bits, load, render, render_tuned};
+use harness::meshes;
 use harness::scenes::{SceneBuilder, camera, lambert};
 use texray::bvh::Builder;
 use texray::interface::NO_INDEX;
@@ -66,6 +64,17 @@ fn refill_thresholds_do_not_show() {
     for eighths in [0, 4, 8] {
         let tuning = Tuning { refill_eighths: Some(eighths), ..Tuning::default() };
         assert_same(&reference, &bits(&render_tuned(&scene, &settings, &tuning)), &format!("{eighths} eighths"));
+    }
+}
+
+/// The modules that keep NaN and those that leave it to the driver.
+#[test]
+fn keeping_nan_does_not_show() {
+    for name in ["cornell-glass", "cornell-mirror", "teapot"] {
+        let (scene, settings) = small(name, [33, 25], 4);
+        let kept = bits(&render(&scene, &settings));
+        let tuning = Tuning { nan_by_driver: true, ..Tuning::default() };
+        assert_same(&kept, &bits(&render_tuned(&scene, &settings, &tuning)), name);
     }
 }
 

@@ -7,6 +7,7 @@
 mod harness;
 
 use harness::device::load;
+use harness::device::run_probe;
 use harness::probe::Probe;
 use texray::bvh::{Accel, BinaryBvh, Builder, WideBvh};
 use texray::gpu::shaders;
@@ -32,8 +33,9 @@ fn fetched(scene: &Scene, accel: &Accel, buffers: Buffers, binding: u32, count: 
         calls: count as u32,
         input: &[],
         output_texels: FIELDS as u32,
+        without_guard: None,
     };
-    let texels = probe.run();
+    let texels = run_probe(&probe);
     let (records, rest) = texels.as_chunks::<FIELDS>();
     assert!(rest.is_empty() && records.len() == count, "as many records as asked for");
     records.to_vec()

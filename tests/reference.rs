@@ -7,6 +7,7 @@ mod harness;
 use std::path::Path;
 
 use glam::DVec3;
+use harness::Assert;
 use harness::comparison::compare;
 use harness::golden::{Golden, content_hash};
 use harness::obj::read as read_obj;

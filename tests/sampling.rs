@@ -6,6 +6,7 @@
 
 mod harness;
 
+use harness::Assert;
 use harness::distributions::chi_square_upper;
 use harness::draws::{REPLICATES, UNIT_FLOAT, call, correlation, nothing, pairs, uniform_square, unit};
 use harness::random::Random;

@@ -53,16 +53,19 @@ fn arithmetic(module: &Module) -> BTreeMap<String, (usize, usize)> {
 
 /// Functions all of whose arithmetic must round as written, each with a number of instructions that it has at least: hits and boxes
 /// (equal in every tree, on CPU and GPU), the start of the next ray, and what the estimator multiplies and adds.
-const PRECISE: [(&str, usize); 21] = [
-    ("hit_watertight", 30),
+const PRECISE: [(&str, usize); 24] = [
+    ("edge_function", 3),
+    ("hit_watertight", 26),
     ("hit_moller_trumbore", 30),
-    ("own_box_entry", 4),
+    ("meets_own_box", 4),
     ("test_triangle", 1),
     ("make_ray", 2),
     ("enters_box", 4),
     ("enter_children", 4),
     ("enter_four", 6),
+    ("inner_point", 15),
     ("spawn_origin", 5),
+    ("shadow_limit", 2),
     ("camera_direction", 5),
     ("advance", 1),
     ("make_basis", 10),
@@ -74,7 +77,7 @@ const PRECISE: [(&str, usize); 21] = [
     ("power_heuristic", 3),
     ("emission_weight", 4),
     ("survives", 1),
-    ("end_sample", 1),
+    ("add_sample", 1),
 ];
 
 #[test]
@@ -82,6 +85,8 @@ fn hits_boxes_and_origins_are_never_contracted() {
     for (module, words) in [
         ("path_trace", shaders::PATH_TRACE),
         ("path_trace_plain", shaders::PATH_TRACE_PLAIN),
+        ("path_trace_keep_nan", shaders::PATH_TRACE_KEEP_NAN),
+        ("path_trace_plain_keep_nan", shaders::PATH_TRACE_PLAIN_KEEP_NAN),
         ("probe_trace", shaders::PROBE_TRACE),
     ] {
         let functions = arithmetic(&parse(words));
@@ -100,7 +105,25 @@ fn hits_boxes_and_origins_are_never_contracted() {
     }
     // Control: the parser tells a decorated instruction from another.
     let functions = arithmetic(&parse(shaders::PATH_TRACE));
-    assert_eq!(functions["unit_float"], (0, 1), "a product that may be contracted");
+    assert_eq!(functions["unit_float"], (0, 2), "products that may be contracted");
+}
+
+/// Bits of floats whose NaN, infinities and signed zeros a module asks to keep.
+fn kept_nan(words: &[u32]) -> Vec<u32> {
+    let module = parse(words);
+    let preserve = Operand::ExecutionMode(rspirv::spirv::ExecutionMode::SignedZeroInfNanPreserve);
+    let modes = module.execution_modes.iter().filter(|mode| mode.operands[1] == preserve);
+    modes.map(|mode| mode.operands[2].unwrap_literal_bit32()).collect()
+}
+
+#[test]
+fn nan_is_kept_where_a_module_says_so() {
+    for words in [shaders::PATH_TRACE_KEEP_NAN, shaders::PATH_TRACE_PLAIN_KEEP_NAN, shaders::PROBE_STARTUP_KEEP_NAN] {
+        assert_eq!(kept_nan(words), [32]);
+    }
+    for words in [shaders::PATH_TRACE, shaders::PATH_TRACE_PLAIN, shaders::PROBE_STARTUP] {
+        assert!(kept_nan(words).is_empty());
+    }
 }
 
 /// Name and number of each binding; a block goes by the name of its type.

@@ -6,6 +6,7 @@
 
 mod harness;
 
+use harness::Assert;
 use harness::comparison::compare;
 use harness::distributions::{
     beta_lower, chi_square_upper, gamma_upper, kolmogorov_upper, ln_gamma, normal_critical, normal_two_sided,

@@ -5,17 +5,16 @@
 //! trees agree with brute force is `tests/bvh`'s to show, so here brute force on the CPU is the one oracle.
 
 mod harness;
-#[path = "bvh/meshes.rs"]
-mod meshes;
-#[path = "bvh/rays.rs"]
-mod rays;
 
 use std::path::PathBuf;
 
 use glam::Vec3;
+use harness::device::run_probe;
+use harness::meshes::{clusters, copies, coplanar, cube, displaced_sphere, exponential, soup};
 use harness::probe::Probe;
+use harness::random::Random;
+use harness::rays::rays;
 use harness::scenes::{camera, lambert};
-use meshes::{Random, clusters, copies, coplanar, cube, displaced_sphere, exponential, soup};
 use texray::bvh::{Accel, BinaryBvh, Builder, Hit, Intersector, Ray, Tracer, WideBvh};
 use texray::gpu::shaders;
 use texray::interface::{INTERSECTOR_MOLLER_TRUMBORE, INTERSECTOR_WATERTIGHT, NO_INDEX, SPEC_INTERSECTOR};
@@ -80,8 +79,9 @@ fn trace(mesh: &[Triangle], accel: &Accel, intersector: Intersector, questions: 
         calls: questions.len() as u32,
         input: &input,
         output_texels: 2,
+        without_guard: None,
     };
-    let answers = probe.run();
+    let answers = run_probe(&probe);
     let hit = |&[[key, id, triangle, _], [b1, b2, _, _]]: &[Texel; 2]| {
         assert!(triangle == NO_INDEX || order[triangle as usize] == id, "leaf position and id of one triangle");
         let [key, b1, b2] = [key, b1, b2].map(f32::from_bits);
@@ -161,7 +161,7 @@ fn all_agree(intersector: Intersector, rays_a_mesh: usize, expected_rays: usize)
     for ((name, mesh), seed) in meshes.into_iter().zip(100..) {
         let trees = trees(&mesh);
         let count = if mesh.len() < 2 { 500 } else { rays_a_mesh };
-        let rays = rays::rays(&mesh, &trees[0].1, count, seed);
+        let rays = rays(&mesh, &trees[0].1, count, seed);
         for (tree, accel) in &trees {
             let what = format!("{name}, {tree}, {intersector:?}");
             let hits = compare(&mesh, accel, intersector, &rays, &what);
@@ -191,7 +191,7 @@ fn builders_of_a_large_mesh_agree() {
     // Deep enough for every level of the stack, too large for brute force: the wide tree by bins is the measure.
     let mesh = displaced_sphere(160, 200);
     let wide: Accel = WideBvh::build(&mesh, Builder::Sah).into();
-    let rays = rays::rays(&mesh, &wide, 20_000, 200);
+    let rays = rays(&mesh, &wide, 20_000, 200);
     let questions: Vec<Question> = rays.iter().map(|&ray| (ray, None)).collect();
     let oracle = Tracer::new(&wide, &mesh, |id| emits(&mesh[id as usize], id), Intersector::Watertight);
     let expected: Vec<_> = rays.iter().map(|ray| bits(oracle.closest(ray))).collect();
@@ -213,7 +213,7 @@ fn nothing_leaks_out_of_closed_meshes() {
         [("sphere", displaced_sphere(17, 32), 0.15, true), ("cube", cube(32), 0.45, false)]
     {
         let accel: Accel = WideBvh::build(&mesh, Builder::Sah).into();
-        let mut random = Random(77);
+        let mut random = Random::new(77, 0);
         let questions: Vec<Question> = (0..200_000)
             .map(|i| {
                 let origin = if i % 8 == 0 { Vec3::ZERO } else { random.point() * inner };
@@ -241,7 +241,7 @@ fn nothing_leaks_out_of_closed_meshes() {
 #[test]
 fn undefined_rays_hit_nothing() {
     let mesh = displaced_sphere(12, 16);
-    let mut random = Random(8);
+    let mut random = Random::new(8, 0);
     let values = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
     let questions: Vec<Question> = (0..6_000)
         .map(|i| {

@@ -7,6 +7,7 @@ mod harness;
 
 use std::f64::consts::TAU;
 
+use harness::Assert;
 use harness::draws::{
     COSINE_HEMISPHERE, FILTER_OFFSET, FRESNEL, MAKE_BASIS, PICK_LIGHT, POWER_HEURISTIC, SQUARE_TO_TRIANGLE,
     UNIFORM_HEMISPHERE, call, call_floats, nothing,

@@ -18,16 +18,17 @@ const uint PAIR_LOBE = 3u;       // bounce: which lobe; free
 
 // Number of a pair of the camera (`stage` 0) or of bounce `stage` - 1.
 uint pair_number(uint stage, uint purpose) {
-    return stage * PAIRS_PER_BOUNCE + purpose;
+    uint own = guarded(GUARD_BOUNCE_DIMENSIONS) ? stage : min(stage, 1u);
+    return own * PAIRS_PER_BOUNCE + purpose;
 }
 
 // A float in [0, 1): 24 bits, so that the largest is 1 - 2^-24 (32 bits would round up to 1).
 float unit_float(uint word) {
-    return float(word >> 8) * 5.9604644775390625e-8;
+    return guarded(GUARD_UNIT_FLOAT) ? float(word >> 8) * 5.9604644775390625e-8 : float(word) * 2.3283064365386963e-10;
 }
 
 vec2 unit_float2(uvec2 words) {
-    return vec2(words >> 8) * 5.9604644775390625e-8;
+    return vec2(unit_float(words.x), unit_float(words.y));
 }
 
 // Jarzynski and Olano, "Hash Functions for GPU Rendering" (JCGT 2020), pcg4d, and one shift more.
@@ -43,8 +44,7 @@ uvec4 pcg4d(uvec4 v) {
     v.z += v.x * v.y;
     v.w += v.y * v.z;
     // The low bits of each lane depend on few input bits, the high ones on all; a scramble's seed is read from the low ones.
-    v ^= v >> 16;
-    return v;
+    return guarded(GUARD_HASH_SHIFT) ? v ^ (v >> 16) : v;
 }
 
 // A nested uniform (Owen) scramble of a bit-reversed word: every bit is flipped by a hash of the bits below it, which are

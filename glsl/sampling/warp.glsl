@@ -2,12 +2,14 @@
 #ifndef SAMPLING_WARP_GLSL
 #define SAMPLING_WARP_GLSL
 
+#include "guards.glsl"
+
 const float PI = 3.14159265358979;
 const float INV_PI = 0.318309886183791;
 
 // An orthonormal basis around the unit vector n. Duff et al., "Building an Orthonormal Basis, Revisited" (JCGT 2017).
 void make_basis(vec3 n, out vec3 s, out vec3 t) {
-    precise float sign_z = n.z >= 0.0 ? 1.0 : -1.0;
+    precise float sign_z = n.z >= 0.0 || !guarded(GUARD_BASIS_SIGN) ? 1.0 : -1.0;
     precise float a = -1.0 / (sign_z + n.z);
     precise float b = n.x * n.y * a;
     precise vec3 first = vec3(1.0 + sign_z * n.x * n.x * a, sign_z * b, -sign_z * n.x);
@@ -16,8 +18,15 @@ void make_basis(vec3 n, out vec3 s, out vec3 t) {
     t = second;
 }
 
-// Shirley and Chiu's concentric map from the square to the unit disc (1997). sin and cos are only good to 2^-11 on some
-// devices, so the point is put back on its circle.
+// The point at `radius` (which may be negative) in the direction of `circle`, a cosine and a sine. Those are only good to
+// 2^-11 on some devices, so the point is put back on its circle.
+vec2 disc_point(float radius, vec2 circle) {
+    precise float squared = circle.x * circle.x + circle.y * circle.y;
+    precise vec2 point = circle * (radius * (guarded(GUARD_DISC_RENORMALISE) ? inversesqrt(squared) : 1.0));
+    return point;
+}
+
+// Shirley and Chiu's concentric map from the square to the unit disc (1997).
 vec2 square_to_disc(vec2 u) {
     vec2 centred = 2.0 * u - 1.0;
     if (centred.x == 0.0 && centred.y == 0.0) {
@@ -26,10 +35,7 @@ vec2 square_to_disc(vec2 u) {
     bool wide = abs(centred.x) > abs(centred.y);
     float radius = wide ? centred.x : centred.y;
     float angle = wide ? (PI / 4.0) * (centred.y / centred.x) : (PI / 2.0) - (PI / 4.0) * (centred.x / centred.y);
-    precise vec2 unit = vec2(cos(angle), sin(angle));
-    precise float squared = unit.x * unit.x + unit.y * unit.y;
-    precise vec2 point = unit * (radius * inversesqrt(squared));
-    return point;
+    return disc_point(radius, vec2(cos(angle), sin(angle)));
 }
 
 // A unit direction around +z with density cos / pi (Malley's method).

@@ -7,6 +7,7 @@
 #define SHADING_BSDF_GLSL
 
 #include "effects.glsl"
+#include "guards.glsl"
 #include "sampling/random.glsl"
 #include "sampling/warp.glsl"
 #include "shading/fresnel.glsl"
@@ -27,13 +28,18 @@ float lambert_pdf(float cosine) {
     return HEMISPHERE == HEMISPHERE_COSINE ? cosine * INV_PI : 0.5 * INV_PI;
 }
 
+// Whether `wi` leaves on the side that the geometry shows, whatever the shading normal says.
+bool on_geometric_side(Interaction it, vec3 wi) {
+    return !guarded(GUARD_GEOMETRIC_SIDE) || dot(wi, it.ng) > 0.0;
+}
+
 BsdfSample sample_lambert(Interaction it, vec2 u) {
     vec3 s, t;
     make_basis(it.ns, s, t);
     vec3 local = HEMISPHERE == HEMISPHERE_COSINE ? cosine_hemisphere(u) : uniform_hemisphere(u);
     precise vec3 world = s * local.x + t * local.y + it.ns * local.z;
     vec3 wi = normalize(world);
-    if (!(local.z > 0.0) || !(dot(wi, it.ng) > 0.0)) {
+    if (!(local.z > 0.0) || !on_geometric_side(it, wi)) {
         return NO_BSDF_SAMPLE;
     }
     // Cosine: albedo / pi * cos / (cos / pi). Uniform: albedo / pi * cos * 2 pi.
@@ -76,7 +82,7 @@ BsdfSample sample_glass(Interaction it, vec3 wo, float u) {
         }
         wi = refract_through(wo, it.ng, eta, geometric, cos_t);
     }
-    precise float scale = 1.0 / (eta * eta);
+    precise float scale = guarded(GUARD_RADIANCE_SCALE) ? 1.0 / (eta * eta) : 1.0;
     return BsdfSample(wi, vec3(scale), 0.0, eta * eta, true);
 }
 

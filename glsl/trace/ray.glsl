@@ -3,6 +3,8 @@
 #ifndef TRACE_RAY_GLSL
 #define TRACE_RAY_GLSL
 
+#include "guards.glsl"
+
 // 2^-20: a triangle's own box grows by this share of the ray's reach; it covers the rounding of the slab test and of the
 // sheared vertices (docs/decisions.md, 'hit order').
 const float TRIANGLE_PAD = 9.5367431640625e-7;
@@ -65,13 +67,13 @@ Ray make_ray(vec3 o, vec3 d) {
     ray.d = d;
     // A component of zero would give 0 * inf on a box's plane; the sign stays, and 1e18 overflows nothing.
     vec3 tiny = uintBitsToFloat((floatBitsToUint(d) & 0x80000000u) | floatBitsToUint(1.0e-18));
-    vec3 guarded = mix(tiny, d, greaterThanEqual(abs(d), vec3(1.0e-18)));
-    precise vec3 inv = 1.0 / guarded;
+    vec3 divisor = guarded(GUARD_DIRECTION_FLOOR) ? mix(tiny, d, greaterThanEqual(abs(d), vec3(1.0e-18))) : d;
+    precise vec3 inv = 1.0 / divisor;
     ray.inv = inv;
     vec3 a = abs(o);
     // Bounds every coordinate difference between origin and scene: the scene is scaled to lie within [-1, 1] on every axis.
     precise float reach = greater(greater(a.x, a.y), a.z) + 1.0;
-    precise vec3 node_pad = (reach * NODE_PAD) * abs(inv);
+    precise vec3 node_pad = (reach * (guarded(GUARD_NODE_PAD) ? NODE_PAD : 0.0)) * abs(inv);
     ray.node_pad = node_pad;
     vec3 m = abs(d);
     ray.z_is_x = !(m.y > m.x) && !(m.z > m.x);
@@ -88,6 +90,9 @@ Ray make_ray(vec3 o, vec3 d) {
 
 // Whether a ray can be traced: all its numbers finite, its direction not zero. Anything else hits nothing, at no cost.
 bool is_traceable(vec3 o, vec3 d) {
+    if (!guarded(GUARD_REFUSE_INVALID_RAYS)) {
+        return true;
+    }
     uvec3 m = max(floatBitsToUint(o) & 0x7fffffffu, floatBitsToUint(d) & 0x7fffffffu);
     return max(max(m.x, m.y), m.z) < 0x7f800000u && (d.x != 0.0 || d.y != 0.0 || d.z != 0.0);
 }

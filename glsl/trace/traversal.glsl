@@ -88,6 +88,11 @@ uvec2 pop_entry(inout Traversal traversal) {
     return entry;
 }
 
+// A box that the ray enters beyond this holds no hit that comes before `best`.
+float cull_distance(Hit best) {
+    return guarded(GUARD_CULL_SLACK) ? best.key * CULL_BEYOND : best.key;
+}
+
 // Visits the next node of the wide tree: its children that the ray enters become the current group.
 void visit_wide(inout Traversal traversal, Ray ray) {
     if ((traversal.nodes.y & INNER_HITS) == 0u) {
@@ -103,7 +108,7 @@ void visit_wide(inout Traversal traversal, Ray ray) {
         push_entry(traversal, traversal.nodes);
     }
     WideNode node = fetch_wide_node(index);
-    uint entered = enter_children(ray, node, octant, traversal.best.key * CULL_BEYOND);
+    uint entered = enter_children(ray, node, octant, cull_distance(traversal.best));
     traversal.nodes = uvec2(node.first_child, (entered & INNER_HITS) | node.inner_mask);
     traversal.triangles = uvec2(node.first_triangle, entered & ~INNER_HITS);
 }
@@ -111,7 +116,7 @@ void visit_wide(inout Traversal traversal, Ray ray) {
 // Visits the next node of the binary tree: a leaf gives its triangles, an inner node its nearer child, the other one goes
 // on the stack with its entry distance.
 void visit_binary(inout Traversal traversal, Ray ray) {
-    float cull = traversal.best.key * CULL_BEYOND;
+    float cull = cull_distance(traversal.best);
     if (traversal.nodes.y == 0u) {
         uvec2 entry = pop_entry(traversal);
         traversal.nodes = uvec2(entry.x, uintBitsToFloat(entry.y) <= cull ? 1u : 0u);

@@ -3,13 +3,15 @@
 #define TRACE_TRIANGLE_GLSL
 
 #include "effects.glsl"
+#include "guards.glsl"
 #include "records/triangle.glsl"
+#include "trace/edge.glsl"
 #include "trace/hit.glsl"
 #include "trace/ray.glsl"
 
 // Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (JCGT 2013). Every vertex is sheared by the same
 // expression, so two triangles see a shared edge alike, and an edge function's sign is right up to a relative error of its
-// own vertices: no ray slips between. `precise` keeps a contraction from making e(a, b) differ from -e(b, a).
+// own vertices: no ray slips between.
 // `a`, `b`, `c` are the corners relative to the ray's origin, its largest axis last. Gives t and the barycentrics; false
 // where there is no hit.
 bool hit_watertight(Ray ray, vec3 a, vec3 b, vec3 c, out float t, out float b1, out float b2) {
@@ -19,9 +21,9 @@ bool hit_watertight(Ray ray, vec3 a, vec3 b, vec3 c, out float t, out float b1, 
     precise float by = b.y - ray.shear.y * b.z;
     precise float cx = c.x - ray.shear.x * c.z;
     precise float cy = c.y - ray.shear.y * c.z;
-    precise float u = cx * by - cy * bx;
-    precise float v = ax * cy - ay * cx;
-    precise float w = bx * ay - by * ax;
+    float u = edge_function(cx, cy, bx, by);
+    float v = edge_function(ax, ay, cx, cy);
+    float w = edge_function(bx, by, ax, ay);
     precise float det = u + v + w;
     precise float inv = 1.0 / det;
     precise float distance = (u * (ray.shear.z * a.z) + v * (ray.shear.z * b.z) + w * (ray.shear.z * c.z)) * inv;
@@ -32,7 +34,8 @@ bool hit_watertight(Ray ray, vec3 a, vec3 b, vec3 c, out float t, out float b1, 
     b2 = third;
     float least = lesser(lesser(u, v), w);
     float most = greater(greater(u, v), w);
-    return !(least < 0.0 && most > 0.0) && det != 0.0 && distance > 0.0;
+    bool has_area = guarded(GUARD_EXACT_DETERMINANT) ? det != 0.0 : abs(det) > 1.0e-8;
+    return !(least < 0.0 && most > 0.0) && has_area && distance > 0.0;
 }
 
 // Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection" (1997), two-sided: its edges leak.
@@ -59,16 +62,21 @@ bool hit_moller_trumbore(Ray ray, Triangle triangle, out float t, out float b1, 
 }
 
 // Where the ray enters the triangle's own box, grown by TRIANGLE_PAD: a hit outside that box is rounding, not geometry
-// (a sliver's edge functions can agree far beyond its tip), and a distance below the entry is raised to it. This ties
+// (a sliver's edge functions can agree far beyond its tip), and its distance is held between entry and exit. This ties
 // every hit to a box that all nodes above contain, so that no tree can lose what brute force finds. `a`, `b`, `c` as above.
-bool own_box_entry(Ray ray, vec3 a, vec3 b, vec3 c, out float entry) {
+bool meets_own_box(Ray ray, vec3 a, vec3 b, vec3 c, out float entry, out float leave) {
+    entry = 0.0;
+    leave = NO_HIT_KEY;
+    if (!guarded(GUARD_TRIANGLE_BOX)) {
+        return true;
+    }
     vec3 low = lesser(lesser(a, b), c);
     vec3 high = greater(greater(a, b), c);
     bvec3 forward = greaterThanEqual(ray.inv_permuted, vec3(0.0));
     precise vec3 near = mix(high, low, forward) * ray.inv_permuted - ray.triangle_pad;
     precise vec3 far = mix(low, high, forward) * ray.inv_permuted + ray.triangle_pad;
     entry = greater(greater(near.x, near.y), near.z);
-    float leave = lesser(lesser(far.x, far.y), far.z);
+    leave = lesser(lesser(far.x, far.y), far.z);
     return entry <= leave && leave >= 0.0;
 }
 
@@ -80,17 +88,19 @@ bool test_triangle(Ray ray, uint index, uint skip, uint skip_too, inout Hit best
     precise vec3 a = permute(ray, triangle.v0) - ray.o_permuted;
     precise vec3 b = permute(ray, triangle.v1) - ray.o_permuted;
     precise vec3 c = permute(ray, triangle.v2) - ray.o_permuted;
-    float t, b1, b2, entry;
+    float t, b1, b2, entry, leave;
     bool hit;
     if (INTERSECTOR == INTERSECTOR_WATERTIGHT) {
         hit = hit_watertight(ray, a, b, c, t, b1, b2);
     } else {
         hit = hit_moller_trumbore(ray, triangle, t, b1, b2);
     }
-    bool in_box = own_box_entry(ray, a, b, c, entry);
-    precise float key = greater(t, entry) * ((triangle.flags & TRIANGLE_EMITS) != 0u ? EMITTER_NEARER : 1.0);
+    bool in_box = meets_own_box(ray, a, b, c, entry, leave);
+    bool nearer = guarded(GUARD_EMITTER_NEARER) && (triangle.flags & TRIANGLE_EMITS) != 0u;
+    precise float key = lesser(greater(t, entry), leave) * (nearer ? EMITTER_NEARER : 1.0);
     bool first = key < best.key || (key == best.key && triangle.id < best.id);
-    bool counts = hit && in_box && first && index != skip && index != skip_too;
+    bool skipped = (guarded(GUARD_SKIP_SOURCE) && index == skip) || (guarded(GUARD_SKIP_LIGHT) && index == skip_too);
+    bool counts = hit && in_box && first && !skipped;
     if (counts) {
         best = Hit(key, triangle.id, index, b1, b2);
     }

@@ -188,7 +188,7 @@ impl Prepared {
         if !meets_box {
             return None;
         }
-        let key = t.max(entry) * if triangle.emits { EMITTER_KEY } else { 1.0 };
+        let key = t.max(entry).min(exit) * if triangle.emits { EMITTER_KEY } else { 1.0 };
         Some(Hit { id: triangle.id, key, b1, b2 })
     }
 

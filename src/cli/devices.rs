@@ -13,6 +13,9 @@ pub struct DevicesArgs {
     /// Print one JSON document with all that is known of them on stdout
     #[arg(long)]
     json: bool,
+    /// Also run the start-up probe on each usable device and print what it found (--json always does)
+    #[arg(short, long)]
+    verbose: bool,
 }
 
 #[derive(Serialize)]
@@ -24,7 +27,7 @@ struct Document {
 impl DevicesArgs {
     /// Lists them on stdout.
     pub fn run(&self) -> Result<Outcome> {
-        let devices = engine::devices()?;
+        let devices = engine::devices(self.json || self.verbose)?;
         if self.json {
             streams::answer_json(&Document { schema: 1, devices })?;
             return Ok(Outcome::Done);
@@ -36,6 +39,10 @@ impl DevicesArgs {
                 None => device.summary,
             });
             lines.extend(device.limits);
+            for probe in device.startup.into_iter().flatten() {
+                let verdict = if probe.passes { "" } else { "  FAILED: this device is refused" };
+                lines.push(format!("   probe: {:<20} {}; expected {}{verdict}", probe.what, probe.got, probe.expected));
+            }
         }
         streams::answer(&lines.join("\n"))?;
         Ok(Outcome::Done)

@@ -8,6 +8,7 @@ use texray::film::Film;
 use texray::gpu::{self, Context, ContextOptions, DeviceChoice, DeviceInfo};
 use texray::render::{self, Effects, Observer, RenderReport, Settings};
 use texray::scene::Scene;
+use texray::selftest::{self, Bench, Case, CaseReport, Finding, Tier, startup};
 use texray::{Error, Result};
 
 use super::limits;
@@ -30,6 +31,8 @@ pub struct DeviceLine {
     pub details: serde_json::Value,
     /// What it lacks to be used, if anything.
     pub lacks: Option<String>,
+    /// What the start-up probe found, where it was asked for.
+    pub startup: Option<Vec<Finding>>,
 }
 
 impl DeviceLine {
@@ -42,7 +45,18 @@ impl DeviceLine {
             limits: limits::lines(info),
             details: to_json(info)?,
             lacks: info.lacks.clone(),
+            startup: None,
         })
+    }
+
+    /// Opens the device and asks it what every render asks first.
+    fn probe(&mut self) -> Result<()> {
+        if self.lacks.is_none() {
+            let device = DeviceChoice::Index(self.index);
+            let context = Context::new(&ContextOptions { device, validation: false })?;
+            self.startup = Some(startup::probe(&context)?);
+        }
+        Ok(())
     }
 }
 
@@ -66,9 +80,13 @@ pub struct Engine {
     device: DeviceLine,
 }
 
-/// Every Vulkan device, usable or not.
-pub fn devices() -> Result<Vec<DeviceLine>> {
-    gpu::list_devices()?.iter().map(DeviceLine::of).collect()
+/// Every Vulkan device, usable or not; `probed`: with what the start-up probe finds.
+pub fn devices(probed: bool) -> Result<Vec<DeviceLine>> {
+    let mut devices: Vec<_> = gpu::list_devices()?.iter().map(DeviceLine::of).collect::<Result<_>>()?;
+    if probed {
+        devices.iter_mut().try_for_each(DeviceLine::probe)?;
+    }
+    Ok(devices)
 }
 
 /// Every effect, on or off, with the reason.
@@ -93,15 +111,26 @@ impl Engine {
         &self.device
     }
 
-    /// Renders.
+    /// Runs one hard case.
+    pub fn run_case(&self, tier: Tier, case: &'static Case) -> CaseReport {
+        selftest::run_case(&Bench::new(&self.context, tier), case)
+    }
+
+    /// What validation has complained about so far.
+    pub fn validation(&self) -> Vec<String> {
+        self.context.validation().messages
+    }
+
+    /// Renders, on a device that passes the start-up probe.
     pub fn render(&self, scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -> Result<Rendered> {
+        startup::check(&self.context)?;
         let rendered = render::render(&self.context, scene, settings, observer)?;
         Ok(Rendered {
             film: rendered.film,
             report: rendered.report,
             ledger: to_json(&rendered.ledger)?,
             ledger_table: rendered.ledger.table(),
-            validation: self.context.validation().messages,
+            validation: self.validation(),
         })
     }
 }

@@ -14,6 +14,7 @@ mod process;
 mod progress;
 mod render;
 mod save;
+mod selftest;
 mod settings;
 mod signals;
 pub mod streams;
@@ -28,6 +29,8 @@ pub enum Outcome {
     Done,
     /// `--strict`, and this many samples were left out; pictures are saved.
     InvalidSamples(u64),
+    /// A self-test found that the device, or texray on it, does not compute what it should.
+    HardCasesFailed,
     /// Stopped by this signal; what there was is saved.
     Signal(u8),
 }
@@ -59,6 +62,7 @@ enum Command {
     Render(Box<render::RenderArgs>),
     Explain(explain::ExplainArgs),
     Devices(devices::DevicesArgs),
+    Selftest(selftest::SelftestArgs),
 }
 
 /// Runs the command that the process was started with, at `started`.
@@ -71,6 +75,7 @@ pub fn run(started: Instant) -> Result<Outcome, Failure> {
         Command::Render(arguments) => arguments.run(started)?,
         Command::Explain(arguments) => arguments.run()?,
         Command::Devices(arguments) => arguments.run()?,
+        Command::Selftest(arguments) => arguments.run()?,
     };
     Ok(outcome)
 }

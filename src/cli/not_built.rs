@@ -4,7 +4,7 @@
 
 use clap::error::{ContextKind, ContextValue, Error};
 
-const SUBCOMMANDS: [&str; 6] = ["study", "selftest", "compare", "view", "merge", "film"];
+const SUBCOMMANDS: [&str; 5] = ["study", "compare", "view", "merge", "film"];
 const OPTIONS: [&str; 12] = [
     "--samples",
     "--time-limit",

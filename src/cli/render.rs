@@ -1,5 +1,6 @@
 //! `texray render SCENE`: the picture.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -182,10 +183,14 @@ impl RenderArgs {
 
     fn tell_after(&self, facts: &Facts, rendered: &Rendered) {
         let report = facts.report;
-        let invalid: Vec<_> = report.invalid_samples.iter().filter(|(_, count)| **count > 0).collect();
-        if !invalid.is_empty() {
-            let causes: Vec<_> = invalid.iter().map(|(cause, count)| format!("{count} {cause}")).collect();
-            say(&format!("warning: invalid samples were left out: {}", causes.join(", ")));
+        let counted = |counts: &BTreeMap<&str, u64>| {
+            let counted = counts.iter().filter(|(_, count)| **count > 0);
+            counted.map(|(name, count)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
+        };
+        let kinds = counted(&report.invalid_kinds);
+        if !kinds.is_empty() {
+            let causes = counted(&report.invalid_samples);
+            say(&format!("warning: invalid samples were left out: {kinds}; by first cause: {causes}"));
         }
         if report.buffers != facts.settings.buffers {
             say("warning: a record is too large for this device's texel buffers: storage buffers are used");

@@ -17,7 +17,7 @@ use crate::{Error, Result};
 /// Kind of a binding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BindingKind {
-    /// A uniform texel buffer (`usamplerBuffer`).
+    /// A uniform texel buffer (`utextureBuffer`).
     Texel,
     /// A storage buffer.
     Storage,

@@ -1,7 +1,7 @@
 //! A buffer that shaders read as texels.
 //!
 //! Comes in: a size. Goes out: a device buffer with a view of the format R32G32B32A32_UINT, which a shader reads through
-//! a `usamplerBuffer`. Vulkan promises this format for uniform texel buffers on every device.
+//! a `utextureBuffer`. Vulkan promises this format for uniform texel buffers on every device.
 
 use std::fmt;
 use std::sync::Arc;

@@ -241,8 +241,12 @@ impl Renderer {
         self.report.paths += count(COUNTER_PATHS);
         self.report.node_visits += count(COUNTER_NODES);
         self.report.triangle_tests += count(COUNTER_TRIANGLES);
-        for (cause, index) in INVALID_CAUSES {
-            *self.report.invalid_samples.entry(cause).or_default() += count(index);
+        for (index, kind) in INVALID_KIND_NAMES.into_iter().enumerate() {
+            *self.report.invalid_kinds.entry(kind).or_default() += count(COUNTER_INVALID + index as u32);
+        }
+        for (index, cause) in CAUSE_NAMES.into_iter().enumerate() {
+            let counter = COUNTER_INVALID + INVALID_KINDS + index as u32;
+            *self.report.invalid_samples.entry(cause).or_default() += count(counter);
         }
         let end = first + samples;
         let replicate = replicate_of_block(first / BLOCK_SAMPLES, self.constants.replicates);
@@ -291,6 +295,8 @@ impl Renderer {
     }
 }
 
-/// Names of the causes for which a sample is left out, and their counters.
-pub(super) const INVALID_CAUSES: [(&str, u32); 3] =
-    [("nan", COUNTER_INVALID_NAN), ("infinite", COUNTER_INVALID_INFINITE), ("negative", COUNTER_INVALID_NEGATIVE)];
+/// Kinds of invalid samples by name, in the order of `interface::INVALID_NAN` and its fellows.
+pub(super) const INVALID_KIND_NAMES: [&str; INVALID_KINDS as usize] = ["nan", "infinite", "negative"];
+/// Causes of invalid samples by name, in the order of `interface::CAUSE_SUM` and its fellows.
+pub(super) const CAUSE_NAMES: [&str; CAUSES as usize] =
+    ["sum", "camera", "emission", "sky", "light", "lambert", "mirror", "glass"];

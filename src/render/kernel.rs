@@ -7,7 +7,9 @@ use crate::error::Result;
 use crate::film::{block_in_replicate, replicate_of_block};
 use crate::gpu::{BindingKind, BindingSlot, ComputePipeline, Context, PipelineDesc, shaders};
 use crate::interface::*;
+use crate::render::Tuning;
 use crate::render::effects::Effects;
+use crate::render::guard::Guard;
 use crate::render::tiles::Tile;
 use crate::settings::{AccelKind, Buffers, Hemisphere, Intersector, Lights, Roulette, Sampler, Settings};
 
@@ -21,6 +23,21 @@ pub fn bindings() -> Vec<BindingSlot> {
     texel.chain(storage.map(|number| BindingSlot { number, kind: BindingKind::Storage })).collect()
 }
 
+/// Where lanes refill by default; measured in docs/performance.md.
+const REFILL_EIGHTHS: u32 = 6;
+
+/// The module for a device: with ballots and NaN kept where it offers them.
+fn module(context: &Context, tuning: &Tuning) -> &'static [u32] {
+    let info = context.device_info();
+    let keep_nan = info.shader_signed_zero_inf_nan_preserve_float32 && !tuning.nan_by_driver;
+    match (info.subgroup_ballot, keep_nan) {
+        (true, true) => shaders::PATH_TRACE_KEEP_NAN,
+        (true, false) => shaders::PATH_TRACE,
+        (false, true) => shaders::PATH_TRACE_PLAIN_KEEP_NAN,
+        (false, false) => shaders::PATH_TRACE_PLAIN,
+    }
+}
+
 /// Builds the pipeline, specialised for the scene's effects and the user's choices.
 pub fn path_tracer(
     context: &Context,
@@ -28,7 +45,7 @@ pub fn path_tracer(
     accel: &Accel,
     effects: &Effects,
     buffers: Buffers,
-    refill_eighths: u32,
+    tuning: &Tuning,
 ) -> Result<Arc<ComputePipeline>> {
     let mut specialization = vec![
         (SPEC_WORKGROUP_X, WORKGROUP[0]),
@@ -41,15 +58,15 @@ pub fn path_tracer(
         (SPEC_LIGHTS, lights_value(settings.lights)),
         (SPEC_HEMISPHERE, hemisphere_value(settings.hemisphere)),
         (SPEC_ROULETTE, roulette_value(settings.roulette).0),
-        (SPEC_REFILL_EIGHTHS, refill_eighths),
+        (SPEC_REFILL_EIGHTHS, tuning.refill_eighths.unwrap_or(REFILL_EIGHTHS)),
+        (SPEC_WITHOUT_GUARD, tuning.without_guard.map_or(GUARD_NONE, Guard::number)),
     ];
     specialization.extend((0..EFFECTS).map(|effect| (SPEC_EFFECTS + effect, u32::from(effects.is_on(effect)))));
-    let ballot = context.device_info().subgroup_ballot;
     ComputePipeline::new(
         context,
         &PipelineDesc {
             name: "path tracer",
-            spirv: if ballot { shaders::PATH_TRACE } else { shaders::PATH_TRACE_PLAIN },
+            spirv: module(context, tuning),
             bindings: &bindings(),
             push_constant_bytes: PUSH_CONSTANT_BYTES,
             specialization: &specialization,

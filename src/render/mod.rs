@@ -5,6 +5,7 @@
 
 pub mod effects;
 pub mod frames;
+pub mod guard;
 pub mod kernel;
 pub mod pace;
 pub mod report;
@@ -14,6 +15,7 @@ pub mod upload;
 
 pub use effects::{Effect, Effects};
 pub use frames::Renderer;
+pub use guard::Guard;
 pub use report::{Bytes, Observer, Progress, RenderReport, StageSeconds, StopReason};
 
 pub use crate::settings::{
@@ -51,6 +53,10 @@ pub struct Tuning {
     pub refill_eighths: Option<u32>,
     /// An effect (`interface::EFFECT_*`) to leave out though the scene calls for it: the control of the effects test.
     pub without_effect: Option<u32>,
+    /// The module that leaves NaN to the driver, though the device can be asked to keep it.
+    pub nan_by_driver: bool,
+    /// A guard to leave out, to show what it is for. Unlike the sizes above, it changes pictures.
+    pub without_guard: Option<Guard>,
 }
 
 /// Renders `scene` as `settings` ask, telling `observer` how it goes.

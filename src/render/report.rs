@@ -100,8 +100,11 @@ pub struct RenderReport {
     pub tree: TreeStats,
     /// Names of the effects that were on.
     pub effects: Vec<&'static str>,
-    /// Samples left out, by cause (`nan`, `infinite`, `negative`), every cause listed.
+    /// Samples left out, by cause: the first stage of the path or lobe whose numbers were invalid (`camera`, `emission`,
+    /// `sky`, `light`, `lambert`, `mirror`, `glass`; `sum` where only the sum of them was). Every cause is listed.
     pub invalid_samples: BTreeMap<&'static str, u64>,
+    /// The same samples by kind (`nan`, `infinite`, `negative`), every kind listed.
+    pub invalid_kinds: BTreeMap<&'static str, u64>,
     /// Times that the table of random numbers wrapped around for a pixel (0 for other samplers).
     pub table_wraps: u64,
     /// Bytes moved and held.

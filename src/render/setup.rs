@@ -11,7 +11,7 @@ use crate::film::Film;
 use crate::gpu::{BindGroup, Buffer, BufferUse, Context, DeviceKind, Ledger, Memory, Readback, Resource};
 use crate::interface::*;
 use crate::render::effects::Effects;
-use crate::render::frames::{COUNTER_BYTES, EstimateClock, INVALID_CAUSES, Renderer};
+use crate::render::frames::{CAUSE_NAMES, COUNTER_BYTES, EstimateClock, INVALID_KIND_NAMES, Renderer};
 use crate::render::kernel::{self, Constants};
 use crate::render::pace::{Pace, RunLength};
 use crate::render::report::{Bytes, RenderReport, StageSeconds, StopReason};
@@ -22,9 +22,6 @@ use crate::scene::Scene;
 use crate::settings::{Buffers, Settings};
 use crate::texels::TexelData;
 use crate::texels::random::splitmix64;
-
-/// Where lanes refill by default; measured in docs/performance.md.
-const REFILL_EIGHTHS: u32 = 6;
 
 impl Renderer {
     /// Builds the tree, packs and copies the records, and makes the pipeline.
@@ -57,8 +54,7 @@ impl Renderer {
         if let Some(effect) = tuning.without_effect {
             effects = effects.without(effect);
         }
-        let refill = tuning.refill_eighths.unwrap_or(REFILL_EIGHTHS);
-        let pipeline = kernel::path_tracer(context, settings, &accel, &effects, buffers, refill)?;
+        let pipeline = kernel::path_tracer(context, settings, &accel, &effects, buffers, tuning)?;
         seconds.pipeline = start.elapsed().as_secs_f64();
 
         let tile_size = match tuning.tile {
@@ -139,7 +135,8 @@ fn empty_report(effects: &Effects, seconds: StageSeconds, buffers: Buffers, tree
         relative_rmse: None,
         tree,
         effects: effects.names(),
-        invalid_samples: INVALID_CAUSES.iter().map(|&(cause, _)| (cause, 0)).collect(),
+        invalid_samples: CAUSE_NAMES.into_iter().map(|cause| (cause, 0)).collect(),
+        invalid_kinds: INVALID_KIND_NAMES.into_iter().map(|kind| (kind, 0)).collect(),
         table_wraps: 0,
         bytes: Bytes::default(),
     }

@@ -21,7 +21,7 @@ mod load;
 pub mod material;
 mod mtl_scan;
 mod nearest;
-mod normalise;
+pub(crate) mod normalise;
 mod number;
 mod obj_mesh;
 mod obj_scan;

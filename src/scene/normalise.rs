@@ -45,8 +45,8 @@ pub(super) fn normalise(
         let message = format!("the scene's largest extent is {extent:e}; allowed is 1e-100 to 1e100");
         return Err(Error::scene(path, 0, message));
     }
-    let length_exponent = -exponent(extent);
-    let camera = scaled_camera(camera, centre, length_exponent);
+    let scaling = Scaling::of_lengths(centre, extent);
+    let camera = scaling.camera(camera);
     if let Err(message) = check_camera(&camera) {
         return Err(Error::scene(path, line, message));
     }
@@ -56,7 +56,7 @@ pub(super) fn normalise(
         corners: Vec::with_capacity(raw.corners.len()),
         materials: Vec::new(),
         sky: None,
-        scaling: Scaling { centre, length_exponent, radiance_exponent: 0 },
+        scaling,
         degenerate: raw.degenerate,
     };
     let material_of_raw = scaled.add_triangles(raw);
@@ -68,7 +68,7 @@ pub(super) fn normalise(
             let message = format!("the brightest emission is {brightest:e}; allowed is 0, or 1e-36 to 1e36");
             return Err(Error::scene(path, 0, message));
         }
-        scaled.scaling.radiance_exponent = -exponent(brightest);
+        scaled.scaling.scale_radiance(brightest);
     }
     let factor = power_of_two(scaled.scaling.radiance_exponent);
     for (index, (name, recipe)) in raw.materials.iter().enumerate() {
@@ -87,9 +87,8 @@ impl Normalised {
     /// Adds every triangle that keeps an area in f32. Goes out: the index of each raw material, by first use.
     fn add_triangles(&mut self, raw: &RawScene) -> Vec<u32> {
         let mut material_of_raw = vec![NO_INDEX; raw.materials.len()];
-        let (centre, factor) = (self.scaling.centre, power_of_two(self.scaling.length_exponent));
         for triangle in &raw.triangles {
-            let positions = triangle.positions.map(|position| ((position - centre) * factor).as_vec3());
+            let positions = triangle.positions.map(|position| self.scaling.point(position).as_vec3());
             if !has_area(positions) {
                 self.degenerate += 1;
                 continue;
@@ -123,7 +122,7 @@ pub(super) fn bounds(triangles: &[RawTriangle]) -> Option<(DVec3, DVec3)> {
 }
 
 /// Whether the triangle has an area that f32 can hold as a normal number; its reciprocal is finite then.
-fn has_area(positions: [Vec3; 3]) -> bool {
+pub(crate) fn has_area(positions: [Vec3; 3]) -> bool {
     let [a, b, c] = positions.map(|position| position.as_dvec3());
     let area = 0.5 * (b - a).cross(c - a).length();
     area as f32 >= f32::MIN_POSITIVE
@@ -135,9 +134,29 @@ fn radiance(channel: f64) -> f32 {
     if channel < f32::MIN_POSITIVE { 0.0 } else { channel }
 }
 
-fn scaled_camera(camera: &Camera, centre: DVec3, length_exponent: i32) -> Camera {
-    let factor = power_of_two(length_exponent);
-    Camera { origin: (camera.origin - centre) * factor, target: (camera.target - centre) * factor, ..*camera }
+impl Scaling {
+    /// Nothing is moved or scaled.
+    pub const NONE: Scaling = Scaling { centre: DVec3::ZERO, length_exponent: 0, radiance_exponent: 0 };
+
+    /// What brings geometry of this centre and largest extent (above 0) to the origin and into [1, 2); radiance stays.
+    pub fn of_lengths(centre: DVec3, extent: f64) -> Scaling {
+        Scaling { centre, length_exponent: -exponent(extent), radiance_exponent: 0 }
+    }
+
+    /// Also brings the brightest channel of all radiance, above 0, into [1, 2).
+    pub fn scale_radiance(&mut self, brightest: f64) {
+        self.radiance_exponent = -exponent(brightest);
+    }
+
+    /// A point, scaled.
+    pub fn point(&self, point: DVec3) -> DVec3 {
+        (point - self.centre) * power_of_two(self.length_exponent)
+    }
+
+    /// A camera, scaled.
+    pub fn camera(&self, camera: &Camera) -> Camera {
+        Camera { origin: self.point(camera.origin), target: self.point(camera.target), ..*camera }
+    }
 }
 
 /// Refuses a camera that has lost its direction or its distance to the numbers' range.

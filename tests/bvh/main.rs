@@ -2,21 +2,17 @@
 //!
 //! Comes in: the library alone; no device is needed. May be assumed: failures print the mesh and the ray.
 
-#[path = "meshes.rs"]
-mod meshes;
-#[path = "rays.rs"]
-mod rays;
-
 use std::time::Instant;
 
 use glam::Vec3;
-use meshes::{Random, clusters, copies, coplanar, cube, displaced_sphere, exponential, soup, triangle};
 use proptest::prelude::*;
 use rayon::prelude::*;
-use rays::rays;
 use texray::bvh::{Accel, BinaryBvh, Builder, Intersector, Ray, Tracer, WideBvh, Work};
 use texray::interface::{MAX_TREE_DEPTH, NO_INDEX};
 use texray::scene::Triangle;
+use texray::selftest::meshes::{clusters, copies, coplanar, cube, displaced_sphere, exponential, soup, triangle};
+use texray::selftest::random::Random;
+use texray::selftest::rays::rays;
 
 fn accels(triangles: &[Triangle]) -> Vec<Accel> {
     let mut accels = vec![Accel::brute()];
@@ -56,7 +52,7 @@ fn trees_of_hard_meshes_keep_their_invariants() {
 #[test]
 fn undefined_corners_build_a_tree_that_lists_every_triangle() {
     let values = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, 0.0];
-    let mut random = Random(5);
+    let mut random = Random::new(5, 0);
     let mut corner = || Vec3::from_array(std::array::from_fn(|_| values[random.below(6)]));
     let triangles: Vec<Triangle> = (0..5_000).map(|_| triangle(corner(), corner(), corner())).collect();
     for accel in accels(&triangles) {
@@ -187,7 +183,7 @@ fn compare(name: &str, tracers: &[Tracer], ray: &Ray, occlusion: bool) -> usize 
 #[test]
 fn undefined_rays_hit_nothing_and_visit_nothing() {
     let triangles = displaced_sphere(12, 16);
-    let mut random = Random(8);
+    let mut random = Random::new(8, 0);
     let values = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
     for accel in accels(&triangles) {
         let tracer = Tracer::new(&accel, &triangles, |_| false, Intersector::Watertight);
@@ -215,7 +211,7 @@ fn only_the_watertight_test_does_not_leak() {
         let leaks = |intersector, count: u64| -> usize {
             let tracer = Tracer::new(&accel, mesh, |_| false, intersector);
             let leaks_of = |seed: u64| {
-                let mut random = Random(seed.wrapping_mul(0x1234_5678_9abc_def1));
+                let mut random = Random::new(seed.wrapping_mul(0x1234_5678_9abc_def1), 0);
                 let origin = if seed.is_multiple_of(8) { Vec3::ZERO } else { random.point() * inner };
                 let [a, b, c] = mesh[random.below(mesh.len())].positions;
                 let target = match seed % 4 {
@@ -261,7 +257,7 @@ fn build_times() {
                 let tracer = Tracer::new(accel, &triangles, |_| false, Intersector::Watertight);
                 let rays = 400_000u64;
                 let trace = |seed: u64| {
-                    let mut random = Random(seed * 977);
+                    let mut random = Random::new(seed * 977, 0);
                     let (origin, target) = (random.point(), random.point() * 0.5);
                     tracer.closest_with_work(&Ray::new(origin, target - origin)).1
                 };

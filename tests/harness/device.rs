@@ -10,7 +10,9 @@ use texray::gpu::{Context, ContextOptions};
 use texray::interface::BLOCK_SAMPLES;
 use texray::render::{Observer, Progress, Rendered, Renderer, Tuning};
 use texray::scene::Scene;
+use texray::selftest::probe::Probe;
 use texray::settings::{Lights, Roulette, Sampler, Settings};
+use texray::texels::Texel;
 
 use super::tracer::Estimate;
 
@@ -27,6 +29,13 @@ pub fn context() -> &'static Context {
 pub fn assert_valid(context: &Context) {
     let report = context.validation();
     assert!(report.is_clean(), "validation messages: {report:#?}");
+}
+
+/// Runs a probe; any validation message fails the test.
+pub fn run_probe(probe: &Probe) -> Vec<Texel> {
+    let answers = probe.run(context()).expect("the probe runs");
+    assert_valid(context());
+    answers
 }
 
 /// Watches nothing and never stops a render.

@@ -7,6 +7,7 @@ use texray::scene::{Filter, Scene};
 use texray::settings::{Buffers, LightPick, Sampler, Settings};
 use texray::texels::{Texel, TexelData};
 
+use super::device::run_probe;
 use super::distributions::normal_two_sided;
 use super::probe::Probe;
 use super::scenes::{SceneBuilder, camera};
@@ -59,8 +60,9 @@ fn call_in_run(
         calls: input.len() as u32,
         input,
         output_texels: 1,
+        without_guard: None,
     };
-    probe.run()
+    run_probe(&probe)
 }
 
 /// A scene of nothing.

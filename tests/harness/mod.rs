@@ -5,13 +5,25 @@
 
 pub mod comparison;
 pub mod device;
-
-pub mod distributions;
 pub mod draws;
 pub mod golden;
 pub mod obj;
-pub mod probe;
-pub mod random;
-pub mod scenes;
-pub mod statistics;
 pub mod tracer;
+
+#[allow(unused_imports)]
+pub use texray::selftest::{distributions, meshes, probe, random, rays, scenes, statistics};
+
+use statistics::{FAMILY_ALPHA, Verdict, sidak};
+
+/// A verdict that must pass.
+pub trait Assert {
+    /// Panics, naming `what`, where the verdict is an alarm for one of `tests` tests at [`FAMILY_ALPHA`].
+    fn assert(&self, what: &str, tests: usize);
+}
+
+impl Assert for Verdict {
+    fn assert(&self, what: &str, tests: usize) {
+        let alpha = sidak(FAMILY_ALPHA, tests);
+        assert!(self.passes(tests), "{what}: statistic {:.3}, p {:.3e} below {alpha:.3e}", self.statistic, self.p);
+    }
+}

@@ -1,18 +1,18 @@
 //! Runs a probe kernel (`glsl/probe_*.comp`) over the records of a scene and gives back what it wrote.
 
-use texray::bvh::Accel;
-use texray::gpu::{
-    Barrier, BindGroup, BindingKind, BindingSlot, Buffer, BufferUse, ComputePipeline, Ledger, Memory, PipelineDesc,
-    Readback, Recorder, Resource, TexelBuffer, Uploader,
+use crate::Result;
+use crate::bvh::Accel;
+use crate::gpu::{
+    Barrier, BindGroup, BindingKind, BindingSlot, Buffer, BufferUse, ComputePipeline, Context, Ledger, Memory,
+    PipelineDesc, Readback, Recorder, Resource, TexelBuffer, Uploader,
 };
-use texray::interface::*;
-use texray::render::kernel::{self, Constants, Dispatch};
-use texray::render::tiles::Tile;
-use texray::render::upload::GpuScene;
-use texray::settings::Buffers;
-use texray::texels::{Texel, TexelData};
-
-use super::device::{assert_valid, context};
+use crate::interface::*;
+use crate::render::guard::Guard;
+use crate::render::kernel::{self, Constants, Dispatch};
+use crate::render::tiles::Tile;
+use crate::render::upload::GpuScene;
+use crate::settings::Buffers;
+use crate::texels::{Texel, TexelData};
 
 /// A probe: which kernel, on what, with what answers.
 pub struct Probe<'a> {
@@ -24,7 +24,7 @@ pub struct Probe<'a> {
     pub accel: &'a Accel,
     /// How the records are bound.
     pub buffers: Buffers,
-    /// Specialisation constants beside those of tree and buffers.
+    /// Specialisation constants beside those of tree and buffers, or in their place.
     pub specialization: Vec<(u32, u32)>,
     /// `push.flags`.
     pub function: u32,
@@ -36,19 +36,21 @@ pub struct Probe<'a> {
     pub input: &'a [Texel],
     /// Texels of output of a call.
     pub output_texels: u32,
+    /// A guard to leave out.
+    pub without_guard: Option<Guard>,
 }
 
 /// The probes' workgroup.
 const WORKGROUP: u32 = 64;
 
 impl Probe<'_> {
-    /// Runs it.
-    pub fn run(&self) -> Vec<Texel> {
-        self.try_run().expect("the probe runs")
+    /// Runs it, and gives `output_texels` a call.
+    pub fn run(&self, context: &Context) -> Result<Vec<Texel>> {
+        self.run_repeated(context, 1)
     }
 
-    fn try_run(&self) -> texray::Result<Vec<Texel>> {
-        let context = context();
+    /// Runs it `dispatches` times over the same output, which is zero at first.
+    pub fn run_repeated(&self, context: &Context, dispatches: u32) -> Result<Vec<Texel>> {
         let mut ledger = Ledger::default();
         let scene = GpuScene::upload(context, self.data, self.buffers, &mut ledger)?;
         let accel_value = match self.accel {
@@ -60,7 +62,9 @@ impl Probe<'_> {
             (SPEC_STORAGE_RECORDS, u32::from(self.buffers == Buffers::Storage)),
             (SPEC_ACCEL, accel_value),
             (SPEC_STACK_ENTRIES, self.accel.stack_entries()),
+            (SPEC_WITHOUT_GUARD, self.without_guard.map_or(GUARD_NONE, Guard::number)),
         ];
+        specialization.retain(|(id, _)| self.specialization.iter().all(|(given, _)| given != id));
         specialization.extend_from_slice(&self.specialization);
         let mut bindings = kernel::bindings();
         bindings.push(BindingSlot { number: BINDING_PROBE_INPUT, kind: BindingKind::Texel });
@@ -111,17 +115,23 @@ impl Probe<'_> {
             budget: MAX_STEP_BUDGET,
             begins_run: false,
         });
-        let flags = PUSH_CONSTANTS.iter().find(|(name, _)| *name == "PUSH_FLAGS").expect("the flags have a place").1;
-        push[flags as usize..][..4].copy_from_slice(&self.function.to_ne_bytes());
+        for &(_, offset) in PUSH_CONSTANTS.iter().filter(|(name, _)| *name == "PUSH_FLAGS") {
+            push[offset as usize..][..4].copy_from_slice(&self.function.to_ne_bytes());
+        }
 
         let mut recorder = Recorder::new(context, "probe")?;
         recorder.fill(&scratch, 0, 256, 0)?;
+        recorder.fill(&output, 0, bytes, 0)?;
         recorder.barrier(Barrier::TransferToCompute)?;
-        recorder.dispatch(&pipeline, &group, &push, [self.calls.div_ceil(WORKGROUP), 1, 1])?;
+        for dispatch in 0..dispatches {
+            if dispatch > 0 {
+                recorder.barrier(Barrier::ComputeToCompute)?;
+            }
+            recorder.dispatch(&pipeline, &group, &push, [self.calls.div_ceil(WORKGROUP), 1, 1])?;
+        }
         let mut readback = Readback::new(context, "answers", bytes)?;
         readback.copy_from(&mut recorder, &mut ledger, &output, 0, 0, bytes, "answers")?;
         recorder.submit()?.wait()?;
-        assert_valid(context);
         Ok(bytemuck::pod_collect_to_vec(&readback.bytes()?[..bytes as usize]))
     }
 }

@@ -3,11 +3,11 @@
 //! Comes in: a mesh, its wide tree, a count and a seed. Goes out: rays of ten families in turn. May be assumed: all are
 //! valid.
 
+use crate::bvh::{Accel, Ray};
+use crate::scene::Triangle;
 use glam::Vec3;
-use texray::bvh::{Accel, Ray};
-use texray::scene::Triangle;
 
-use crate::meshes::Random;
+use super::random::Random;
 
 /// Coordinates of planes on which quantised boxes end, per axis.
 fn planes(accel: &Accel) -> [Vec<f32>; 3] {
@@ -28,7 +28,7 @@ fn planes(accel: &Accel) -> [Vec<f32>; 3] {
 /// `count` rays, of all families.
 pub fn rays(triangles: &[Triangle], accel: &Accel, count: usize, seed: u64) -> Vec<Ray> {
     let planes = planes(accel);
-    let mut random = Random(seed * 1_000_003 + 7);
+    let mut random = Random::new(seed, 3);
     (0..count).map(|i| ray(i % 10, triangles, &planes, &mut random)).collect()
 }
 
@@ -103,6 +103,6 @@ fn ray(family: usize, triangles: &[Triangle], planes: &[Vec<f32>; 3], random: &m
     if !from.is_finite() {
         from = origin;
     }
-    let skip = if random.below(8) == 0 { id as u32 } else { texray::interface::NO_INDEX };
+    let skip = if random.below(8) == 0 { id as u32 } else { crate::interface::NO_INDEX };
     Ray { origin: from, direction, skip }
 }

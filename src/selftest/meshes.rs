@@ -2,37 +2,13 @@
 //!
 //! Comes in: sizes and seeds. Goes out: triangles within [-1, 1]^3. May be assumed: the same seed gives the same mesh.
 
+use crate::interface::NO_INDEX;
+use crate::scene::Triangle;
 use glam::Vec3;
-use texray::interface::NO_INDEX;
-use texray::scene::Triangle;
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
-pub struct Random(pub u64);
+use super::random::Random;
 
-impl Random {
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in [0, 1).
-    pub fn unit(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / 16_777_216.0
-    }
-
-    pub fn below(&mut self, bound: usize) -> usize {
-        (self.bits() % bound as u64) as usize
-    }
-
-    /// Uniform in [-1, 1]^3.
-    pub fn point(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
-}
-
+/// A flat triangle of material 0.
 pub fn triangle(a: Vec3, b: Vec3, c: Vec3) -> Triangle {
     Triangle { positions: [a, b, c], material: 0, corners: NO_INDEX }
 }
@@ -88,10 +64,10 @@ pub fn cube(cells: usize) -> Vec<Triangle> {
 
 /// Random triangles of edges up to about `size`.
 pub fn soup(count: usize, size: f32, seed: u64) -> Vec<Triangle> {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed, 0);
     let mut place = || random.point() * (1.0 - size);
     let centres: Vec<Vec3> = (0..count).map(|_| place()).collect();
-    let mut random = Random(seed + 1);
+    let mut random = Random::new(seed, 1);
     let mut corner = |centre: Vec3| centre + random.point() * size;
     centres.into_iter().map(|centre| triangle(corner(centre), corner(centre), corner(centre))).collect()
 }
@@ -113,7 +89,7 @@ pub fn copies(count: usize) -> Vec<Triangle> {
 
 /// Coplanar, overlapping triangles of different shapes in two axis-aligned planes and an oblique one.
 pub fn coplanar(count: usize, seed: u64) -> Vec<Triangle> {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed, 0);
     (0..count)
         .map(|i| {
             let mut corner = || {

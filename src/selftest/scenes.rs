@@ -5,11 +5,11 @@
 
 use std::path::PathBuf;
 
-use glam::{DVec3, Vec2};
-use texray::interface::NO_INDEX;
-use texray::scene::{
+use crate::interface::NO_INDEX;
+use crate::scene::{
     Camera, Corners, FilmSettings, Filter, LoadReport, Material, MaterialKind, RenderDefaults, Scaling, Scene, Triangle,
 };
+use glam::{DVec3, Vec2};
 
 /// A Lambert surface of grey albedo and emission.
 pub fn lambert(albedo: f32, emission: f32) -> Material {
@@ -119,26 +119,61 @@ impl SceneBuilder {
         }
     }
 
-    /// The scene, seen by a camera in the same units.
-    pub fn finish(self, camera: Camera, sky: Option<[f32; 3]>) -> Scene {
+    /// Adds a sphere of radius 1 around the origin, its front inside, of which the cap around +y of about `fraction` of its
+    /// area has the second material. Returns the cap's true share.
+    pub fn cap_sphere(&mut self, divisions: u32, [wall, cap]: [u32; 2], fraction: f64) -> f64 {
+        let first = self.triangles.len();
+        self.sphere([0.0; 3], 1.0, divisions, wall, false);
+        // A cap's area goes with its height: 2 of the whole sphere.
+        let lowest = 1.0 - 2.0 * fraction;
+        let (mut whole, mut part) = (0.0, 0.0);
+        for (corners, _, material) in &mut self.triangles[first..] {
+            corners.swap(1, 2);
+            let [a, b, c] = *corners;
+            let area = (b - a).cross(c - a).length();
+            whole += area;
+            if ((a + b + c) / 3.0).normalize().y > lowest {
+                *material = cap;
+                part += area;
+            }
+        }
+        part / whole
+    }
+
+    /// What loading would scale the scene by.
+    pub fn scaling(&self, sky: Option<[f32; 3]>) -> Scaling {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for &position in self.triangles.iter().flat_map(|(corners, _, _)| corners) {
             (low, high) = (low.min(position), high.max(position));
         }
-        let centre = if self.triangles.is_empty() { DVec3::ZERO } else { (low + high) / 2.0 };
-        let length_exponent = -exponent((high - low).max_element());
+        let mut scaling = match self.triangles.is_empty() {
+            true => Scaling::NONE,
+            false => Scaling::of_lengths(low + (high - low) / 2.0, (high - low).max_element()),
+        };
         let emissions = self.materials.iter().map(|material| material.emission).chain(sky);
         let brightest = emissions.flatten().fold(0.0, f32::max);
-        let radiance_exponent = -exponent(f64::from(brightest));
-        let place = |position: DVec3| (position - centre) * 2f64.powi(length_exponent);
-        let bright = |rgb: [f32; 3]| rgb.map(|channel| channel * 2f32.powi(radiance_exponent));
+        if brightest > 0.0 && brightest.is_finite() {
+            scaling.scale_radiance(f64::from(brightest));
+        }
+        scaling
+    }
+
+    /// The scene, seen by a camera in the same units.
+    pub fn finish(self, camera: Camera, sky: Option<[f32; 3]>) -> Scene {
+        let scaling = self.scaling(sky);
+        self.finish_scaled(camera, sky, scaling)
+    }
+
+    /// The same, scaled by whatever is given.
+    pub fn finish_scaled(self, camera: Camera, sky: Option<[f32; 3]>, scaling: Scaling) -> Scene {
+        let bright = |rgb: [f32; 3]| rgb.map(|channel| channel * 2f32.powi(scaling.radiance_exponent));
 
         let (mut triangles, mut all_corners) = (Vec::new(), Vec::new());
         for (positions, normals, material) in self.triangles {
             let corners = normals.map_or(NO_INDEX, |_| all_corners.len() as u32);
             all_corners
                 .extend(normals.map(|n| Corners { normals: n.map(|n| n.normalize().as_vec3()), uvs: [Vec2::ZERO; 3] }));
-            triangles.push(Triangle { positions: positions.map(|p| place(p).as_vec3()), material, corners });
+            triangles.push(Triangle { positions: positions.map(|p| scaling.point(p).as_vec3()), material, corners });
         }
         let mut materials = self.materials;
         for material in &mut materials {
@@ -147,20 +182,15 @@ impl SceneBuilder {
         Scene {
             name: "built-in-code".into(),
             path: PathBuf::new(),
-            camera: Camera { origin: place(camera.origin), target: place(camera.target), ..camera },
+            camera: scaling.camera(&camera),
             film: FilmSettings { width: 1, height: 1, filter: Filter::Box },
             render: RenderDefaults::default(),
             triangles,
             corners: all_corners,
             materials,
             sky: sky.map(bright),
-            scaling: Scaling { centre, length_exponent, radiance_exponent },
+            scaling,
             report: LoadReport::default(),
         }
     }
-}
-
-/// The `e` with 2^e ≤ value < 2^(e + 1); 0 where there is nothing to scale.
-fn exponent(value: f64) -> i32 {
-    if value > 0.0 && value.is_finite() { ((value.to_bits() >> 52 & 0x7ff) as i32) - 1023 } else { 0 }
 }

@@ -1,0 +1,84 @@
+//! Calls of the renderer's own functions through probe kernels, where no scene matters.
+//!
+//! Comes in: a kernel, a function's number, arguments. Goes out: its answers.
+
+use super::Bench;
+use super::probe::Probe;
+use super::scenes::{SceneBuilder, camera};
+use crate::Result;
+use crate::bvh::Accel;
+use crate::interface::{SAMPLER_INDEPENDENT, SAMPLER_SOBOL, SAMPLER_TABLE, SPEC_SAMPLER};
+use crate::scene::Filter;
+use crate::settings::{Buffers, Sampler, Settings};
+use crate::texels::{Texel, TexelData};
+
+/// Number `index` of the pixels of a picture `side` wide, as the samplers take a pixel: x | y << 16.
+pub fn pixel(index: u32, side: u32) -> u32 {
+    (index % side) | ((index / side) << 16)
+}
+
+/// A call of many: function `function` of the kernel `spirv`.
+pub struct Calls<'a> {
+    /// The kernel.
+    pub spirv: &'a [u32],
+    /// Number of the function.
+    pub function: u32,
+    /// Random-number scheme.
+    pub sampler: Sampler,
+    /// Pixel filter whose table is bound.
+    pub filter: Filter,
+    /// First sample of the run: its block decides the replicate.
+    pub first_sample: u32,
+    /// Calls; the kernel says how many texels of `input` each takes.
+    pub calls: u32,
+    /// Arguments.
+    pub input: &'a [Texel],
+    /// Texels that a call answers with.
+    pub output_texels: u32,
+    /// Dispatches, one after the other, over the same answers.
+    pub dispatches: u32,
+}
+
+impl<'a> Calls<'a> {
+    /// One call a texel of input, one texel of answer, independent samples.
+    pub fn new(spirv: &'a [u32], function: u32, input: &'a [Texel]) -> Calls<'a> {
+        Calls {
+            spirv,
+            function,
+            sampler: Sampler::Independent,
+            filter: Filter::Box,
+            first_sample: 0,
+            calls: input.len() as u32,
+            input,
+            output_texels: 1,
+            dispatches: 1,
+        }
+    }
+
+    /// Makes the calls.
+    pub fn run(&self, bench: &Bench) -> Result<Vec<Texel>> {
+        let scene = SceneBuilder::new().finish(camera([0.0; 3], [0.0, 0.0, 1.0], 40.0), Some([1.0; 3]));
+        let accel = Accel::brute();
+        let settings = Settings { sampler: self.sampler, filter: self.filter, ..Settings::for_scene(&scene) };
+        let data = TexelData::pack(&scene, &accel, &settings)?;
+        let sampler = match self.sampler {
+            Sampler::Sobol => SAMPLER_SOBOL,
+            Sampler::Independent => SAMPLER_INDEPENDENT,
+            Sampler::Table => SAMPLER_TABLE,
+        };
+        let probe = Probe {
+            spirv: self.spirv,
+            data: &data,
+            accel: &accel,
+            buffers: Buffers::Texel,
+            specialization: vec![(SPEC_SAMPLER, sampler)],
+            function: self.function,
+            first_sample: self.first_sample,
+            calls: self.calls,
+            input: self.input,
+            output_texels: self.output_texels,
+            without_guard: None,
+        };
+        bench.probe_repeated(probe, self.dispatches)
+    }
+}

@@ -1,0 +1,39 @@
+//! A case of the catalogue.
+
+use super::{Bench, Finding};
+use crate::Result;
+
+/// One hard case.
+#[derive(Debug)]
+pub struct Case {
+    /// Its number in the catalogue, 1 to 80.
+    pub number: u8,
+    /// What is hard, in a few words.
+    pub title: &'static str,
+    /// What a picture looks like where this fails.
+    pub meaning: &'static str,
+    /// How it is tested.
+    pub check: Check,
+}
+
+/// How a case is tested.
+#[derive(Clone, Copy, Debug)]
+pub enum Check {
+    /// By this function, on the device.
+    Run(fn(&Bench) -> Result<Vec<Finding>>),
+    /// By a test program of the repository alone, since it needs what no user has: files, other drivers, proptest.
+    Tests(&'static str),
+    /// Not yet: the effect that it waits for.
+    Awaits(&'static str),
+}
+
+/// Cases of one subject.
+#[derive(Debug)]
+pub struct Group {
+    /// Letter, A to H.
+    pub letter: char,
+    /// Subject.
+    pub name: &'static str,
+    /// Its cases, in order of number.
+    pub cases: &'static [Case],
+}

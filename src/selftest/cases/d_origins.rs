@@ -1,0 +1,423 @@
+//! Group D: ray origins.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use crate::Result;
+use crate::bvh::{Builder, WideBvh};
+use crate::interface::NO_INDEX;
+use crate::scene::{Scene, Triangle};
+use crate::selftest::bench::plain_settings;
+use crate::selftest::meshes;
+use crate::selftest::pictures::{pixel_moments, worst_error};
+use crate::selftest::random::Random;
+use crate::selftest::scenes::{SceneBuilder, camera, glass, lambert};
+use crate::selftest::tracing::{Arrival, Departure, Leaving, Mesh};
+use crate::selftest::{Bench, Case, Check, Finding};
+use crate::settings::{Lights, Settings};
+
+/// The cases.
+pub const CASES: &[Case] = &[
+    Case {
+        number: 30,
+        title: "rays that hit where they start",
+        meaning: "acne: dark specks on lit surfaces",
+        check: Check::Run(self_hits),
+    },
+    Case {
+        number: 31,
+        title: "offsets through thin sheets",
+        meaning: "light through opaque sheets",
+        check: Check::Run(thin_sheet),
+    },
+    Case {
+        number: 32,
+        title: "neighbours at a concave edge",
+        meaning: "light leaks in corners",
+        check: Check::Run(corners),
+    },
+    Case {
+        number: 33,
+        title: "shadow rays that hit the light, or pass a blocker at it",
+        meaning: "lights that shadow themselves; lost contact shadows",
+        check: Check::Run(shadow_rays),
+    },
+    Case {
+        number: 34,
+        title: "shading normals against the geometry",
+        meaning: "black bands, light through surfaces",
+        check: Check::Run(terminator),
+    },
+    Case {
+        number: 35,
+        title: "normals that oppose the geometry, or are none",
+        meaning: "black triangles",
+        check: Check::Run(normal_side),
+    },
+    Case {
+        number: 36,
+        title: "a camera inside glass or inside a solid",
+        meaning: "wrong brightness all over",
+        check: Check::Run(camera_inside),
+    },
+    Case {
+        number: 37,
+        title: "tiny fields of view, up along the view",
+        meaning: "noise or NaN instead of a picture",
+        check: Check::Run(narrow_view),
+    },
+];
+
+/// Triangles of all sizes, from 1e-8 of the scene's to its own, each with its distance to the others left to chance.
+fn sized_triangles(count: usize) -> Vec<Triangle> {
+    let mut random = Random::new(30, 0);
+    (0..count)
+        .map(|_| {
+            let (at, size) = (random.point() * 0.5, 0.4 * 10f32.powf(-8.0 * random.unit()));
+            let mut corner = || at + random.point() * size;
+            meshes::triangle(corner(), corner(), corner())
+        })
+        .filter(|triangle| crate::scene::normalise::has_area(triangle.positions))
+        .collect()
+}
+
+/// Exits from random points of `triangles`, some of them within 1e-6 of the surface.
+fn exits(triangles: &[Triangle], count: usize, seed: u64) -> Vec<Departure> {
+    let mut random = Random::new(seed, 1);
+    (0..count)
+        .map(|i| {
+            let id = i % triangles.len();
+            let [a, b, c] = triangles[id].positions.map(Vec3::as_dvec3);
+            let normal = (b - a).cross(c - a).normalize().as_vec3();
+            let (u, v) = (random.unit(), random.unit());
+            let barycentrics = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+            let mut d = random.direction();
+            if i % 4 == 3 {
+                // Grazing: nearly in the plane.
+                d = (d - normal * d.dot(normal)).normalize_or(Vec3::X) + normal * (random.unit() - 0.5) * 2e-6;
+            }
+            Departure { id: id as u32, barycentrics, wo: random.direction(), d, light: NO_INDEX }
+        })
+        .collect()
+}
+
+fn self_hits(bench: &Bench) -> Result<Vec<Finding>> {
+    // One triangle a mesh would be as many uploads; all in one mesh, what is hit says whether it was the own one.
+    let triangles = sized_triangles(bench.count(20_000, 250_000));
+    let departures = exits(&triangles, 4 * triangles.len(), 30);
+    let mesh = Mesh::wide(&triangles)?;
+    let arrivals = mesh.leave(bench, &departures, Leaving::Extension)?;
+    let bare = mesh.leave(bench, &departures, Leaving::Bare)?;
+    let own = |arrivals: &[Arrival]| {
+        departures.iter().zip(arrivals).filter(|(departure, arrival)| arrival.hit == Some(departure.id)).count() as u64
+    };
+    let exits = departures.len() as u64;
+    // Of the point against f64, and of the origin against the point, in parts of the triangle's place and size.
+    let (mut farthest, mut error) = (0.0f64, 0.0f64);
+    for (departure, arrival) in departures.iter().zip(&arrivals) {
+        let [a, b, c] = triangles[departure.id as usize].positions.map(Vec3::as_dvec3);
+        let [b1, b2] = departure.barycentrics.map(f64::from);
+        let exact = a + (b - a) * b1 + (c - a) * b2;
+        let extent = a.abs().max(b.abs()).max(c.abs()).max_element();
+        farthest = farthest.max((arrival.origin.as_dvec3() - exact).length() / extent);
+        error = error.max((arrival.point.as_dvec3() - exact).abs().max_element() / extent);
+    }
+    Ok(vec![
+        Finding::never("exits that hit the triangle they leave", own(&arrivals), exits),
+        Finding::never("the same from the bare point, where the skipped index alone helps", own(&bare), exits),
+        Finding::at_most(
+            "largest error of a hit point, of the triangle's extent",
+            2.5e-7,
+            error,
+            "4 roundings, 2^-24 each",
+        ),
+        Finding::at_most("largest distance of an origin from its point", 1e-5, farthest, "the catalogue's"),
+    ])
+}
+
+/// A sheet of a hundred-thousandth of the scene's size before a light: no light comes through it.
+fn thin_sheet(bench: &Bench) -> Result<Vec<Finding>> {
+    let mut builder = SceneBuilder::new();
+    let (sheet, light) = (builder.material(lambert(0.8, 0.0)), builder.material(lambert(0.0, 1.0)));
+    // Turned, so that no coordinate is special.
+    let (a, b) = (DVec3::new(1.0, 0.3, 0.2), DVec3::new(-0.2, 1.0, 0.1));
+    let n = a.cross(b).normalize();
+    let corner = DVec3::new(-0.4, -0.6, 0.0);
+    let mut quad = |at: DVec3, a: DVec3, b: DVec3, material| {
+        builder.triangle([at, at + a, at + a + b], material);
+        builder.triangle([at, at + a + b, at + b], material);
+    };
+    quad(corner, b, a, sheet);
+    quad(corner + n * 2e-5, a, b, sheet);
+    quad(corner - a * 0.3 - b * 0.3 + n * 0.5, b * 1.6, a * 1.6, light);
+    let front = corner + (a + b) / 2.0 - n * 2.0;
+    let target = corner + (a + b) / 2.0;
+    let scene = builder.finish(camera(front.to_array(), target.to_array(), 10.0), None);
+    let spp = bench.count(64, 1024) as u32;
+    let settings = Settings { max_bounces: 1, ..plain_settings(&scene, 32, 32, spp) };
+    let lit = lit_pixels(bench, &scene, &settings)?;
+    Ok(vec![Finding::never(format!("pixels of a sheet, lit through it in {} samples", 1024 * spp), lit, 1024)])
+}
+
+/// Pixels that are not black.
+fn lit_pixels(bench: &Bench, scene: &Scene, settings: &Settings) -> Result<u64> {
+    let film = bench.render(scene, settings)?.film;
+    Ok(film.mean().iter().filter(|rgb| rgb.iter().any(|&channel| channel != 0.0)).count() as u64)
+}
+
+/// A cube of unit side, turned so that its faces round.
+fn turned_cube(cells: usize) -> (Vec<Triangle>, DMat3) {
+    let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+    let mut triangles = meshes::cube(cells);
+    for triangle in &mut triangles {
+        triangle.positions = triangle.positions.map(|position| (turn * position.as_dvec3()).as_vec3());
+    }
+    (triangles, turn)
+}
+
+/// Rays from points on the edges of triangles in a closed cube, to its inside: none leaves, none meets a neighbour at once.
+fn corners(bench: &Bench) -> Result<Vec<Finding>> {
+    let (triangles, turn) = turned_cube(6);
+    let back = turn.transpose();
+    let mut random = Random::new(32, 0);
+    let departures: Vec<Departure> = (0..bench.count(50_000, 1_000_000))
+        .map(|i| {
+            let id = random.below(triangles.len());
+            let along = random.unit();
+            // On an edge, or at a corner.
+            let barycentrics = [[along, 0.0], [0.0, along], [along, 1.0 - along], [0.0, 0.0]][i % 4];
+            let [a, b, c] = triangles[id].positions;
+            let p = a + (b - a) * barycentrics[0] + (c - a) * barycentrics[1];
+            let inside = (turn * (random.point() * 0.499).as_dvec3()).as_vec3();
+            let d = (inside - p).normalize();
+            Departure { id: id as u32, barycentrics, wo: d, d, light: NO_INDEX }
+        })
+        .collect();
+    let arrivals = Mesh::wide(&triangles)?.leave(bench, &departures, Leaving::Extension)?;
+    let left = arrivals.iter().filter(|arrival| arrival.hit.is_none()).count() as u64;
+    // How far the ray goes inside of the cube, in f64.
+    let chord = |departure: &Departure, arrival: &Arrival| {
+        let (o, d) = (back * arrival.point.as_dvec3(), back * departure.d.as_dvec3());
+        let exits: [f64; 3] = std::array::from_fn(|axis| (0.5f64.copysign(d[axis]) - o[axis]) / d[axis]);
+        exits.into_iter().fold(f64::INFINITY, f64::min)
+    };
+    let early = departures
+        .iter()
+        .zip(&arrivals)
+        .filter(|(departure, arrival)| f64::from(arrival.key) < 0.999 * chord(departure, arrival) - 1e-5)
+        .count() as u64;
+    let rays = departures.len() as u64;
+    Ok(vec![
+        Finding::never("rays from edges that leave a closed cube", left, rays),
+        Finding::never("rays from edges that meet a neighbour at once", early, rays),
+        sealed_room(bench)?,
+    ])
+}
+
+/// A white room, closed, in front of a white sky: whatever is seen came through a wall.
+fn sealed_room(bench: &Bench) -> Result<Finding> {
+    let (triangles, turn) = turned_cube(bench.count(20, 60));
+    let mut builder = SceneBuilder::new();
+    let white = builder.material(lambert(1.0, 0.0));
+    triangles.iter().for_each(|triangle| builder.triangle(triangle.positions.map(Vec3::as_dvec3), white));
+    let scene = builder.finish(camera([0.0; 3], (turn * DVec3::splat(0.5)).to_array(), 60.0), Some([1.0; 3]));
+    let settings = Settings { max_bounces: 64, ..plain_settings(&scene, 32, 32, bench.count(16, 64) as u32) };
+    let lit = lit_pixels(bench, &scene, &settings)?;
+    let bounces = 64 * 1024 * settings.spp;
+    Ok(Finding::never(format!("pixels of a closed room that see the sky, {bounces} bounces"), lit, 1024))
+}
+
+/// Floor, light close above it, and between them nothing or a blocker.
+fn shadow_rays(bench: &Bench) -> Result<Vec<Finding>> {
+    // Off the origin and turned, so that planes round.
+    let place = DVec3::new(0.61, 0.37, -0.53);
+    let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+    let square = |height: f64, size: f64, up: bool| {
+        let at = |x: f64, z: f64| (place + turn * DVec3::new(x * size, height, z * size)).as_vec3();
+        let (a, b, c, d) = (at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0));
+        match up {
+            true => [meshes::triangle(a, c, b), meshes::triangle(a, d, c)],
+            false => [meshes::triangle(a, b, c), meshes::triangle(a, c, d)],
+        }
+    };
+    let shadowed = |height: f64, blocker: Option<f64>| -> Result<[u64; 2]> {
+        let mut triangles = square(0.0, 0.2, true).to_vec();
+        triangles.extend(square(height, 0.2, false));
+        if let Some(gap) = blocker {
+            triangles.extend(square(height - gap, 0.3, true));
+        }
+        let mesh = Mesh::new(&triangles, WideBvh::build(&triangles, Builder::Sah).into(), |id| (2..4).contains(&id))?;
+        let mut random = Random::new(33, 0);
+        let departures: Vec<Departure> = (0..bench.count(50_000, 500_000))
+            .map(|i| {
+                let light = 2 + (i % 2) as u32;
+                let [a, b, c] = triangles[light as usize].positions;
+                let (u, v) = (random.unit(), random.unit());
+                let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+                // Every fourth on the edge that the light's triangles share.
+                let (u, v) = match (i / 4 % 4, light) {
+                    (0, 2) => (0.0, v),
+                    (0, _) => (u, 0.0),
+                    _ => (u, v),
+                };
+                let (s, t) = (random.unit(), random.unit());
+                let barycentrics = if s + t > 1.0 { [1.0 - s, 1.0 - t] } else { [s, t] };
+                let d = a + (b - a) * u + (c - a) * v;
+                Departure { id: (i / 2 % 2) as u32, barycentrics, wo: (turn * DVec3::Y).as_vec3(), d, light }
+            })
+            .collect();
+        let arrivals = mesh.leave(bench, &departures, Leaving::Shadow)?;
+        Ok([arrivals.iter().filter(|arrival| arrival.hit.is_some()).count() as u64, departures.len() as u64])
+    };
+    let mut findings = Vec::new();
+    for height in [0.5, 1e-2, 1e-3, 1e-4] {
+        let [blocked, rays] = shadowed(height, None)?;
+        findings.push(Finding::never(
+            format!("shadow rays to a light {height} above that meet something"),
+            blocked,
+            rays,
+        ));
+    }
+    for (height, gap) in [(0.5, 1e-4), (1e-2, 1e-4), (1e-3, 1e-4)] {
+        let [blocked, rays] = shadowed(height, Some(gap))?;
+        let what = format!("shadow rays to a light {height} above that pass a blocker {gap} before it");
+        findings.push(Finding::never(what, rays - blocked, rays));
+    }
+    findings
+        .push(needle_light(bench, &square(0.0, 0.2, true), &|x, z| (place + turn * DVec3::new(x, 0.05, z)).as_vec3())?);
+    Ok(findings)
+}
+
+/// A light a million times as long as wide: its barycentrics are good to some hundredths, and so is the distance at which its
+/// own shadow ray meets it. `at` gives points of its plane, which faces the floor.
+fn needle_light(bench: &Bench, floor: &[Triangle], at: &dyn Fn(f64, f64) -> Vec3) -> Result<Finding> {
+    let light = meshes::triangle(at(-0.4, -0.3), at(0.4, 0.3), at(0.4, 0.3 + 8e-7));
+    let triangles = [floor, &[light]].concat();
+    let id = floor.len() as u32;
+    let mesh = Mesh::new(&triangles, WideBvh::build(&triangles, Builder::Sah).into(), |triangle| triangle == id)?;
+    let mut random = Random::new(33, 1);
+    let [a, b, c] = light.positions;
+    let departures: Vec<Departure> = (0..bench.count(50_000, 500_000))
+        .map(|i| {
+            let (u, v) = (random.unit(), random.unit() * 0.5);
+            let d = a + (b - a) * (u * (1.0 - v)) + (c - a) * (u * v);
+            Departure {
+                id: i as u32 % id,
+                barycentrics: [random.unit() * 0.5, random.unit() * 0.5],
+                wo: d,
+                d,
+                light: id,
+            }
+        })
+        .collect();
+    let arrivals = mesh.leave(bench, &departures, Leaving::Shadow)?;
+    let blocked = arrivals.iter().filter(|arrival| arrival.hit.is_some()).count() as u64;
+    Ok(Finding::never("shadow rays to a light of 1e6 : 1 that meet something", blocked, departures.len() as u64))
+}
+
+/// Smooth normals that lean towards a light behind the surface, and smooth balls in a white furnace.
+fn terminator(bench: &Bench) -> Result<Vec<Finding>> {
+    let mut builder = SceneBuilder::new();
+    let (wall, light) = (builder.material(lambert(0.8, 0.0)), builder.material(lambert(0.0, 1.0)));
+    let lean = DVec3::new(0.0, 0.9, -0.2).normalize();
+    for corners in [[[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0]], [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]]] {
+        builder.smooth_triangle(corners.map(|[x, y]| DVec3::new(x, y, 0.0)), [lean; 3], wall);
+    }
+    // Behind the wall, above: in the hemisphere of the shading normal.
+    builder.quad([-1.0, 3.0, 0.2], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], light);
+    let scene = builder.finish(camera([0.0, 0.0, -4.0], [0.0; 3], 20.0), None);
+    let mut findings = Vec::new();
+    for lights in [Lights::Mis, Lights::Bsdf] {
+        let settings =
+            Settings { lights, max_bounces: 1, ..plain_settings(&scene, 32, 32, bench.count(64, 512) as u32) };
+        let what = format!("pixels that light behind the surface reaches, {lights:?}");
+        findings.push(Finding::never(what, lit_pixels(bench, &scene, &settings)?, 1024));
+    }
+    let mut losses = Vec::new();
+    for divisions in [1, 2, 4] {
+        let mut builder = SceneBuilder::new();
+        let white = builder.material(lambert(1.0, 0.0));
+        builder.sphere([0.0; 3], 1.0, divisions, white, true);
+        let scene = builder.finish(camera([0.0, 0.0, -6.0], [0.0; 3], 12.0), Some([1.0; 3]));
+        let settings = plain_settings(&scene, 32, 32, bench.count(64, 512) as u32);
+        let moments = pixel_moments(bench, &scene, &settings)?;
+        let above = (moments.mean - 1.0).max(0.0);
+        let what = format!("what a ball of {} facets adds to a furnace", 8 << (2 * divisions));
+        findings.push(Finding::z(what, 0.0, above, moments.variance_of_mean()));
+        losses.push(1.0 - moments.mean);
+    }
+    let falls = losses.windows(2).all(|pair| pair[1] < pair[0]);
+    let list: Vec<String> = losses.iter().map(|loss| format!("{loss:.5}")).collect();
+    findings.push(Finding::holds(
+        "loss at the terminator of balls of 32, 128, 2048 facets",
+        "falling",
+        list.join(", "),
+        falls,
+    ));
+    Ok(findings)
+}
+
+/// A wall is two-sided: a light on the viewer's side lights it, front or back, and one on the other side does not.
+fn normal_side(bench: &Bench) -> Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    for (side, z) in [("front", 1.0), ("back", -1.0)] {
+        for lit_side in [z, -z] {
+            let mut builder = SceneBuilder::new();
+            let (grey, light) = (builder.material(lambert(0.5, 0.0)), builder.material(lambert(0.0, 1.0)));
+            builder.quad([-2.0, -2.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], grey);
+            let (a, b) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+            let (a, b) = if lit_side > 0.0 { (b, a) } else { (a, b) };
+            builder.quad([-0.5, -0.5, lit_side], a, b, light);
+            let scene = builder.finish(camera([0.0, 1.5, z], [0.0; 3], 1e-3), None);
+            let spp = bench.count(64, 256) as u32;
+            let settings = Settings { max_bounces: 1, ..plain_settings(&scene, 32, 32, spp) };
+            if lit_side == z {
+                let moments = pixel_moments(bench, &scene, &settings)?;
+                // Form factor of a unit square at distance 1.
+                findings.push(Finding::mean(format!("{side} of a wall, lit"), 0.5 * 0.2394564705, &moments));
+            } else {
+                let lit = lit_pixels(bench, &scene, &settings)?;
+                findings.push(Finding::never(
+                    format!("pixels of the {side} of a wall, lit from its other side"),
+                    lit,
+                    1024,
+                ));
+            }
+        }
+    }
+    Ok(findings)
+}
+
+fn camera_inside(bench: &Bench) -> Result<Vec<Finding>> {
+    let inside = camera([0.1, 0.05, 0.0], [1.0, 0.3, 0.2], 40.0);
+    let mut builder = SceneBuilder::new();
+    let body = builder.material(glass(1.5));
+    builder.sphere([0.0; 3], 1.0, 4, body, false);
+    let scene = builder.finish(inside, Some([1.0; 3]));
+    let settings = Settings { max_bounces: 200, ..plain_settings(&scene, 32, 32, bench.count(64, 512) as u32) };
+    let moments = pixel_moments(bench, &scene, &settings)?;
+    let mut findings = vec![Finding::mean("inside a glass ball in a furnace: the squared index", 2.25, &moments)];
+    let mut builder = SceneBuilder::new();
+    let solid = builder.material(lambert(0.5, 1.0));
+    builder.sphere([0.0; 3], 1.0, 4, solid, false);
+    let scene = builder.finish(inside, Some([1.0; 3]));
+    let settings = Settings { max_bounces: 24, allow_black: true, ..plain_settings(&scene, 32, 32, 16) };
+    let lit = lit_pixels(bench, &scene, &settings)?;
+    // It emits to the outside alone.
+    findings.push(Finding::never("pixels inside a solid ball that see light", lit, 1024));
+    Ok(findings)
+}
+
+fn narrow_view(bench: &Bench) -> Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    for (vfov, up) in [(1e-4, DVec3::Y), (1e-4, DVec3::new(0.0, 1e-6, 1.0)), (179.0, DVec3::Y)] {
+        let mut builder = SceneBuilder::new();
+        let wall = builder.material(lambert(0.0, 1.0));
+        builder.quad([-1e3, -1e3, 2.0], [0.0, 2e3, 0.0], [2e3, 0.0, 0.0], wall);
+        let view = crate::scene::Camera { origin: DVec3::ZERO, target: DVec3::Z, up, vfov };
+        let scene = builder.finish(view, None);
+        let error = worst_error(bench, &scene, &plain_settings(&scene, 16, 16, 4), 1.0)?;
+        let what = format!("error of an even wall, view of {vfov} degrees, up ({}, {}, {})", up.x, up.y, up.z);
+        findings.push(Finding::at_most(what, 0.0, error, "exact"));
+    }
+    Ok(findings)
+}

@@ -1,0 +1,430 @@
+//! What holds for any scene, shown on random ones of at most 200 triangles, which shrink to small ones where it does not.
+//!
+//! Seeds are fixed, so a run is the same everywhere on one driver; [`CASES`] scenes a property. Exact properties compare the
+//! bits of pictures. Statistical ones look at the differences, pixel by pixel, of two pictures of one expectation: pixels draw
+//! their own numbers, so the differences' spread is the error of their mean (z of one of [`TESTS`] at a false-alarm rate of
+//! 1e-6 for all). What named scenes show, bit for bit, stands in frames.rs and effects.rs.
+
+mod harness;
+
+use glam::{DVec3, Vec3};
+use harness::device::{bits, render, render_tuned};
+use harness::random::Random;
+use harness::scenes::{SceneBuilder, camera, glass, lambert, mirror};
+use harness::statistics::{Moments, z_test};
+use proptest::collection::vec;
+use proptest::prelude::{Strategy, any};
+use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
+use texray::bvh::Builder;
+use texray::interface::{BLOCK_SAMPLES, NO_INDEX};
+use texray::render::Tuning;
+use texray::scene::{Filter, Scene, Triangle};
+use texray::settings::{AccelKind, Buffers, Hemisphere, LightPick, Lights, Roulette, Sampler, Settings};
+
+/// Scenes that each property is shown on.
+const CASES: u32 = 8;
+/// More statistical verdicts than this file gives.
+const TESTS: usize = 1000;
+
+/// Something in the scene, its numbers in units of 2^-10.
+#[derive(Clone, Debug)]
+struct Object {
+    /// 0: triangle, 1: box, 2: ball of flat triangles, 3: ball with vertex normals.
+    shape: u8,
+    centre: [i16; 3],
+    size: [i16; 3],
+    /// 0 and 1: Lambert, 2: mirror, 3: glass, 4: a light.
+    material: u8,
+}
+
+/// All that a random scene is made of.
+#[derive(Clone, Debug)]
+struct Sketch {
+    objects: Vec<Object>,
+    /// Walls around; otherwise a sky.
+    room: bool,
+    /// Half the width of the lamp below the ceiling, in units of 2^-10.
+    lamp: i16,
+    target: [i16; 3],
+    filter: bool,
+    seed: u64,
+}
+
+fn sketches() -> impl Strategy<Value = Sketch> {
+    let place = || [-700i16..700, -700i16..700, -300i16..700];
+    let object = (0u8..4, place(), [60i16..300, 60i16..300, 60i16..300], 0u8..5)
+        .prop_map(|(shape, centre, size, material)| Object { shape, centre, size, material });
+    (
+        vec(object, 0..6),
+        any::<bool>(),
+        150i16..700,
+        [-200i16..200, -200i16..200, 0i16..200],
+        any::<bool>(),
+        0u64..1 << 40,
+    )
+        .prop_map(|(objects, room, lamp, target, filter, seed)| Sketch {
+            objects,
+            room,
+            lamp,
+            target,
+            filter,
+            seed,
+        })
+}
+
+/// Radiance of lamp, luminous objects and sky.
+type Light = [f32; 3];
+const ALL: Light = [1.5, 0.75, 0.5];
+
+impl Sketch {
+    fn scene(&self) -> Scene {
+        self.lit(ALL)
+    }
+
+    /// The scene under other light.
+    fn lit(&self, [lamp, glow, sky]: Light) -> Scene {
+        self.builder([lamp, glow]).finish(self.camera(), if self.room { None } else { Some([sky; 3]) })
+    }
+
+    fn camera(&self) -> texray::scene::Camera {
+        camera([0.05, 0.1, -1.05], self.target.map(units), 60.0)
+    }
+
+    fn builder(&self, [lamp, glow]: [f32; 2]) -> SceneBuilder {
+        let mut builder = SceneBuilder::new();
+        let kinds = [
+            lambert(0.7, 0.0),
+            lambert(0.3, 0.0),
+            mirror(0.8, 0.0),
+            glass(1.5),
+            lambert(0.4, glow),
+            lambert(0.2, lamp),
+        ];
+        let materials = kinds.map(|kind| builder.material(kind));
+        if self.room {
+            builder.cuboid([-1.125, -1.125, -1.25], [1.125; 3], materials[0], true);
+        }
+        let half = units(self.lamp);
+        builder.quad([-half, 1.0, -half], [2.0 * half, 0.0, 0.0], [0.0, 0.0, 2.0 * half], materials[5]);
+        for object in &self.objects {
+            let (centre, size) = (object.centre.map(units), object.size.map(units));
+            let material = materials[usize::from(object.material)];
+            match object.shape {
+                0 => {
+                    let [x, y, z] = size;
+                    let at = DVec3::from_array(centre);
+                    let corners = [DVec3::new(-x, 0.0, z), DVec3::new(x, y, 0.0), DVec3::new(0.0, -y, -z)];
+                    builder.triangle(corners.map(|corner| at + corner), material);
+                }
+                1 => {
+                    let far = [0, 1, 2].map(|axis| centre[axis] + size[axis]);
+                    builder.cuboid(centre, far, material, false);
+                }
+                shape => builder.sphere(centre, size[0], 1, material, shape == 3),
+            }
+        }
+        builder
+    }
+
+    /// Settings that take no part of the renderer's choices away.
+    fn settings(&self, scene: &Scene) -> Settings {
+        Settings {
+            width: 21,
+            height: 17,
+            spp: 3,
+            max_bounces: 4,
+            seed: self.seed,
+            filter: if self.filter { Filter::BlackmanHarris } else { Filter::Box },
+            ..Settings::for_scene(scene)
+        }
+    }
+
+    /// Settings for means: independent samples in whole blocks.
+    fn many(&self, scene: &Scene, seed: u64) -> Settings {
+        let seed = self.seed ^ seed;
+        Settings { spp: 2 * BLOCK_SAMPLES, seed, sampler: Sampler::Independent, ..self.settings(scene) }
+    }
+}
+
+fn units(number: i16) -> f64 {
+    f64::from(number) / 1024.0
+}
+
+type Verdict = Result<(), String>;
+
+/// Shows a property on [`CASES`] random scenes; the smallest that breaks it is printed.
+fn for_all(stream: u8, property: impl Fn(&Sketch) -> Verdict) {
+    // No file of failures: the seed is fixed.
+    let config = Config { cases: CASES, failure_persistence: None, max_shrink_iters: 200, ..Config::default() };
+    let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[stream; 32]));
+    let run = runner.run(&sketches(), |sketch| property(&sketch).map_err(TestCaseError::fail));
+    if let Err(failure) = run {
+        panic!("{failure}");
+    }
+}
+
+type Bits = Vec<[u32; 3]>;
+
+fn picture(scene: &Scene, settings: &Settings) -> Bits {
+    bits(&render(scene, settings))
+}
+
+fn same(a: &Bits, b: &Bits, what: impl std::fmt::Debug) -> Verdict {
+    let differing = a.iter().zip(b).filter(|(a, b)| a != b).count();
+    match a.len() == b.len() && differing == 0 {
+        true => Ok(()),
+        false => Err(format!("{what:?}: {differing} of {} pixels differ", a.len())),
+    }
+}
+
+/// The red channel, where `turned` in rows from right to left.
+fn red(scene: &Scene, settings: &Settings, turned: bool) -> Vec<f64> {
+    let rendered = render(scene, settings);
+    assert!(rendered.report.invalid_samples.values().all(|&count| count == 0), "samples were left out");
+    let mut pixels: Vec<f64> = rendered.film.mean().into_iter().map(|pixel| f64::from(pixel[0])).collect();
+    if turned {
+        pixels.chunks_exact_mut(settings.width as usize).for_each(<[f64]>::reverse);
+    }
+    pixels
+}
+
+/// Two pictures of one expectation.
+fn agree(a: &[f64], b: &[f64], what: impl std::fmt::Debug) -> Verdict {
+    let differences = Moments::of(a.iter().zip(b).map(|(a, b)| a - b));
+    let mean = Moments::of(a.iter().copied()).mean;
+    // Where nothing differs, as under a sky alone, there is no spread to judge by.
+    if differences.mean == 0.0 {
+        return Ok(());
+    }
+    let verdict = z_test(mean + differences.mean, differences.variance_of_mean(), mean);
+    match verdict.passes(TESTS) {
+        true => Ok(()),
+        false => Err(format!("{what:?}: means {mean} and {}, z {:.2}", mean - differences.mean, verdict.statistic)),
+    }
+}
+
+/// Invariant 6: every estimator has the same expectation.
+#[test]
+fn estimators_agree() {
+    for_all(6, |sketch| {
+        let scene = sketch.scene();
+        let base = sketch.many(&scene, 0);
+        let reference = red(&scene, &base, false);
+        for lights in [Lights::Area, Lights::Bsdf] {
+            agree(&reference, &red(&scene, &Settings { lights, ..base.clone() }, false), lights)?;
+        }
+        let hemisphere = Hemisphere::Uniform;
+        agree(&reference, &red(&scene, &Settings { hemisphere, ..base.clone() }, false), hemisphere)?;
+        let roulette = Roulette::Off;
+        agree(&reference, &red(&scene, &Settings { roulette, ..base.clone() }, false), roulette)?;
+        let light_pick = LightPick::Area;
+        agree(&reference, &red(&scene, &Settings { light_pick, ..base.clone() }, false), light_pick)
+    });
+}
+
+/// Invariant 7: light of 2^k times the radiance gives 2^k times the picture, bit for bit.
+#[test]
+fn light_scales_exactly_by_powers_of_two() {
+    for_all(7, |sketch| {
+        let (scene, exponent) = (sketch.scene(), (sketch.seed % 160) as i32 - 80);
+        let scaled = sketch.lit(ALL.map(|light| light * 2f32.powi(exponent)));
+        let settings = sketch.settings(&scene);
+        let unscale = |pixel: [u32; 3]| pixel.map(|bits| (f32::from_bits(bits) * 2f32.powi(-exponent)).to_bits());
+        let back: Bits = picture(&scaled, &settings).into_iter().map(unscale).collect();
+        same(&picture(&scene, &settings), &back, exponent)
+    });
+}
+
+/// Invariant 7: light adds up. Paths that know nothing of the light (no light samples, no roulette) are the same whatever
+/// shines, so each pixel's sum is off by rounding alone: 300 of 2^-24.
+#[test]
+fn light_adds_up() {
+    for_all(8, |sketch| {
+        let [lamp, glow, sky] = ALL;
+        let pictures = [ALL, [lamp, 0.0, 0.0], [0.0, glow, sky]].map(|light| {
+            let scene = sketch.lit(light);
+            let (lights, roulette) = (Lights::Bsdf, Roulette::Off);
+            let settings = Settings { lights, roulette, allow_black: true, ..sketch.settings(&scene) };
+            red(&scene, &settings, false)
+        });
+        for (pixel, whole) in pictures[0].iter().enumerate() {
+            let sum = pictures[1][pixel] + pictures[2][pixel];
+            if (whole - sum).abs() > 2e-5 * whole {
+                return Err(format!("pixel {pixel}: {whole}, not {sum}"));
+            }
+        }
+        Ok(())
+    });
+}
+
+/// Invariant 8: what no path reaches does not show. Behind the camera, beyond the wall, stands a black box; two specks keep
+/// the bounds the same with it and without.
+#[test]
+fn a_black_object_behind_the_camera_does_not_show() {
+    for_all(9, |sketch| {
+        let sketch = Sketch { room: true, ..sketch.clone() };
+        let scene = |hidden: bool| {
+            let mut builder = sketch.builder([ALL[0], ALL[1]]);
+            let black = builder.material(lambert(0.0, 0.0));
+            for at in [[-2.0, -2.0, -4.0], [2.0, 2.0, -1.5]] {
+                builder.cuboid(at, at.map(|x| x + 0.01), black, false);
+            }
+            if hidden {
+                builder.cuboid([-0.7, -0.6, -3.1], [0.4, 0.9, -1.3], black, false);
+            }
+            builder.finish(sketch.camera(), None)
+        };
+        let settings = sketch.settings(&scene(false));
+        same(&picture(&scene(false), &settings), &picture(&scene(true), &settings), "hidden box")
+    });
+}
+
+/// Invariant 9: a kernel with only the effects that the scene calls for, and one with all.
+#[test]
+fn all_effects_change_nothing() {
+    for_all(10, |sketch| {
+        let scene = sketch.scene();
+        let settings = sketch.settings(&scene);
+        let all = Settings { all_effects: true, ..settings.clone() };
+        same(&picture(&scene, &settings), &picture(&scene, &all), "all effects")
+    });
+}
+
+/// Invariants 10 and 12: neither the cut of the work nor a repetition shows; another seed does.
+#[test]
+fn neither_cuts_nor_repetition_show() {
+    for_all(11, |sketch| {
+        let scene = sketch.scene();
+        let settings = sketch.settings(&scene);
+        let reference = picture(&scene, &settings);
+        same(&reference, &picture(&scene, &settings), "again")?;
+        let mut random = Random::new(sketch.seed, 0);
+        let mut number = |from: usize, to: usize| (from + random.below(to - from + 1)) as u32;
+        let tuning = Tuning {
+            tile: Some([number(4, 21), number(3, 17)]),
+            run_samples: Some(number(1, 16)),
+            budget: Some(number(64, 2000)),
+            refill_eighths: Some(number(0, 8)),
+            ..Tuning::default()
+        };
+        same(&reference, &bits(&render_tuned(&scene, &settings, &tuning)), &tuning)?;
+        let other = picture(&scene, &Settings { seed: !settings.seed, ..settings });
+        let flat = reference.windows(2).all(|pair| pair[0] == pair[1]);
+        if flat || other != reference { Ok(()) } else { Err("the seed does not show".into()) }
+    });
+}
+
+/// Invariant 14: trees, builders, kinds of buffer; and the order of triangles, as far as it is not the order of lights.
+#[test]
+fn neither_trees_nor_the_order_of_triangles_show() {
+    for_all(12, |sketch| {
+        let scene = sketch.scene();
+        let settings = sketch.settings(&scene);
+        let reference = picture(&scene, &settings);
+        for (accel, builder, buffers) in [
+            (AccelKind::Brute, Builder::Sah, Buffers::Texel),
+            (AccelKind::Binary, Builder::Median, Buffers::Storage),
+            (AccelKind::Wide, Builder::Median, Buffers::Texel),
+        ] {
+            let settings = Settings { accel, builder, buffers, ..settings.clone() };
+            same(&reference, &picture(&scene, &settings), (accel, builder, buffers))?;
+        }
+        let emits = |triangle: &Triangle| scene.materials[triangle.material as usize].emits();
+        let dark: Vec<usize> = (0..scene.triangles.len()).filter(|&i| !emits(&scene.triangles[i])).collect();
+        let mut random = Random::new(sketch.seed, 1);
+        let mut shuffled = scene.clone();
+        for i in (1..dark.len()).rev() {
+            shuffled.triangles.swap(dark[i], dark[random.below(i + 1)]);
+        }
+        same(&reference, &picture(&shuffled, &settings), "shuffled")
+    });
+}
+
+/// Invariant 15: the order of all triangles, lights too, and the diagonal that cuts a parallelogram.
+#[test]
+fn order_and_diagonals_keep_the_mean() {
+    for_all(13, |sketch| {
+        let scene = sketch.scene();
+        let reference = red(&scene, &sketch.many(&scene, 0), false);
+        let mut reversed = scene.clone();
+        reversed.triangles.reverse();
+        agree(&reference, &red(&reversed, &sketch.many(&scene, 1), false), "reversed")?;
+        let mut cut = scene.clone();
+        let mut turned = 0;
+        for first in 0..cut.triangles.len() - 1 {
+            let [[a, b, c], [a2, c2, d]] = [first, first + 1].map(|i| cut.triangles[i].positions);
+            // Rounding moves a corner by at most 2^-24 an operation.
+            let parallelogram = a == a2 && c == c2 && (a + c - b - d).abs().max_element() < 1e-6;
+            if parallelogram && cut.triangles[first].corners == NO_INDEX {
+                (cut.triangles[first].positions, cut.triangles[first + 1].positions) = ([a, b, d], [b, c, d]);
+                turned += 1;
+            }
+        }
+        assert!(turned > 0, "the lamp is a parallelogram");
+        agree(&reference, &red(&cut, &sketch.many(&scene, 2), false), "other diagonals")
+    });
+}
+
+/// Invariant 16: the mirrored scene has the mirrored picture.
+#[test]
+fn a_mirrored_scene_has_the_mirrored_picture() {
+    for_all(14, |sketch| {
+        let scene = sketch.scene();
+        let reference = red(&scene, &sketch.many(&scene, 0), false);
+        let mut turned = scene.clone();
+        let flip = Vec3::new(-1.0, 1.0, 1.0);
+        // Two corners change places, so that the front stays the front.
+        for triangle in &mut turned.triangles {
+            let [a, b, c] = triangle.positions.map(|position| position * flip);
+            triangle.positions = [a, c, b];
+        }
+        for corners in &mut turned.corners {
+            let [a, b, c] = corners.normals.map(|normal| normal * flip);
+            corners.normals = [a, c, b];
+        }
+        turned.camera.origin.x *= -1.0;
+        turned.camera.target.x *= -1.0;
+        agree(&reference, &red(&turned, &sketch.many(&scene, 1), true), "mirrored")
+    });
+}
+
+/// Invariant 17: a crop is that part of the picture.
+#[test]
+fn crops_are_parts() {
+    for_all(15, |sketch| {
+        let scene = sketch.scene();
+        let settings = sketch.settings(&scene);
+        let whole = picture(&scene, &settings);
+        let mut random = Random::new(sketch.seed, 2);
+        let mut window = |size: u32| {
+            let start = random.below(size as usize) as u32;
+            (start, 1 + random.below((size - start) as usize) as u32)
+        };
+        let ((x, width), (y, height)) = (window(settings.width), window(settings.height));
+        let row = |row: u32| &whole[(row * settings.width + x) as usize..][..width as usize];
+        let part: Bits = (y..y + height).flat_map(row).copied().collect();
+        let crop = Some([x, y, width, height]);
+        same(&part, &picture(&scene, &Settings { crop, ..settings.clone() }), crop)
+    });
+}
+
+/// Invariant 18: twice as many lights, each of half the power. A surface light hides a copy of itself, so each is cut in two
+/// by its area and keeps its radiance.
+#[test]
+fn lights_cut_in_two_keep_the_mean() {
+    for_all(16, |sketch| {
+        let scene = sketch.scene();
+        let reference = red(&scene, &sketch.many(&scene, 0), false);
+        let mut halves = scene.clone();
+        for at in 0..scene.triangles.len() {
+            let triangle = scene.triangles[at];
+            if scene.materials[triangle.material as usize].emits() && triangle.corners == NO_INDEX {
+                let [a, b, c] = triangle.positions;
+                let middle = (b + c) / 2.0;
+                halves.triangles[at].positions = [a, b, middle];
+                halves.triangles.push(Triangle { positions: [a, middle, c], ..triangle });
+            }
+        }
+        agree(&reference, &red(&halves, &sketch.many(&scene, 1), false), "lights in two")
+    });
+}
