@@ -2,7 +2,7 @@
 //!
 //! Comes in: a scene or rays, and what is taken away on the left. Goes out: two pictures of one size.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use texray::bvh::{Builder, Hit, Intersector, Ray, Tracer, WideBvh};
 use texray::interface::NO_INDEX;
 use texray::output::Display;
@@ -11,7 +11,7 @@ use texray::scene::{Scene, Triangle};
 use texray::selftest::meshes::{cube, displaced_sphere};
 use texray::selftest::tracing::{Answer, Departure, Leaving, Mesh};
 use texray::selftest::{Bench, Tier};
-use texray::settings::{Lights, Settings};
+use texray::settings::{Lights, Roulette, Settings};
 
 use crate::harness::device::{context, load, plain_settings, render_tuned};
 use crate::harness::scenes::{SceneBuilder, camera, glass, lambert};
@@ -77,12 +77,12 @@ pub fn plates() -> Vec<Plate> {
 
 const SIZE: [u32; 2] = [160, 120];
 
-/// The Cornell box 2^16 of its own sizes away from the origin: coordinates in f32 have steps of 1/128 there.
+/// The Cornell box 2^18 of its own sizes away from the origin: coordinates in f32 have steps of 1/32 there.
 fn far() -> Plate {
     let scene = load("cornell-box");
     let settings = Settings { max_bounces: 5, ..plain_settings(&scene, SIZE[0], SIZE[1], 64) };
     let mut moved = scene.clone();
-    let shift = Vec3::splat(65_536.0);
+    let shift = Vec3::splat(262_144.0);
     for triangle in &mut moved.triangles {
         triangle.positions = triangle.positions.map(|position| position + shift);
     }
@@ -142,14 +142,15 @@ fn cracks() -> Plate {
     traced("cracks", &rays, &mesh, [255; 3], ways)
 }
 
-/// Rays along z over a field of blocks; each second column of pixels runs in the plane of a block's side.
+/// Rays over a field of blocks; each second one has a direction of exactly 0 in x, and runs in the plane of a block's side.
 fn boxes() -> Plate {
     let mut mesh = Vec::new();
-    for i in 0..40 {
-        let at = Vec3::new((i % 8) as f32 * 0.2 - 0.8, (i / 8) as f32 * 0.25 - 0.6, 0.1 * (i * 7 % 5) as f32);
-        let size = Vec3::new(0.125, 0.1875, 0.25);
+    for i in 0..32 {
+        let height = 0.1 + 0.09 * (i * 7 % 5) as f32;
+        let at = Vec3::new((i % 8) as f32 * 0.2 - 0.75, 0.0, (i / 8) as f32 * 0.25 - 0.5);
         mesh.extend(cube(1).into_iter().map(|mut triangle| {
-            triangle.positions = triangle.positions.map(|position| (position + 0.5) * size + at);
+            triangle.positions =
+                triangle.positions.map(|position| (position + 0.5) * Vec3::new(0.15, height, 0.18) + at);
             triangle
         }));
     }
@@ -157,12 +158,14 @@ fn boxes() -> Plate {
     let rays: Vec<Ray> = pixels()
         .enumerate()
         .map(|(pixel, [x, y])| {
-            let mut at = Vec3::new(1.8 * (x - 0.5), 1.4 * (0.5 - y), -2.0);
-            if pixel % 2 == 0 {
+            let mut at = Vec3::new(1.7 * (x - 0.5), 1.3 * (0.55 - y), 0.0);
+            let mut direction = Vec3::new(1e-3, -0.6, 1.0);
+            if (pixel + pixel / SIZE[0] as usize).is_multiple_of(2) {
+                direction.x = 0.0;
                 let near = |a: &&f32, b: &&f32| (*a - at.x).abs().total_cmp(&(*b - at.x).abs());
                 at.x = *planes.iter().min_by(near).expect("there are blocks");
             }
-            Ray::new(at, Vec3::Z)
+            Ray::new(at - direction * 2.0, direction)
         })
         .collect();
     let bench = Bench::new(context(), Tier::Fast);
@@ -215,33 +218,47 @@ fn acne() -> Plate {
     Plate { name: "acne", size: SIZE.map(|length| length as usize), before, after }
 }
 
-/// A light close to a wall: light samples alone have no bound.
+/// A light close to a wall, which it faces: light samples alone have no bound.
 fn light_near_a_wall() -> Plate {
     let mut builder = SceneBuilder::new();
-    let (wall, light) = (builder.material(lambert(0.7, 0.0)), builder.material(lambert(0.0, 1.0)));
+    let (wall, light) = (builder.material(lambert(0.7, 0.0)), builder.material(lambert(0.0, 4.0)));
     builder.quad([-2.0, 0.0, -2.0], [0.0, 0.0, 4.0], [4.0, 0.0, 0.0], wall);
-    builder.quad([-0.5, 0.02, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], light);
-    let scene = builder.finish(camera([0.0, 2.0, -3.0], [0.0, 0.0, 0.0], 35.0), None);
+    for x in [-0.7, 0.0, 0.7] {
+        builder.quad([x - 0.05, 0.03, -0.8], [0.1, 0.0, 0.0], [0.0, 0.0, 1.6], light);
+    }
+    let scene = builder.finish(camera([0.0, 2.0, -1.5], [0.0, 0.0, 0.0], 40.0), None);
     let settings = Settings { max_bounces: 2, ..plain_settings(&scene, SIZE[0], SIZE[1], 16) };
     let alone = Settings { lights: Lights::Area, ..settings.clone() };
     plate("light-near-a-wall", [(&scene, &alone, None), (&scene, &settings, None)])
 }
 
-/// A coarse smooth ball lit from behind.
+/// A bent screen of two facets with the normals of a cylinder. The lamp above is just behind the plane of the upper one, whose
+/// upper normals lean towards it.
 fn terminator() -> Plate {
     let mut builder = SceneBuilder::new();
-    let (ball, light) = (builder.material(lambert(0.8, 0.0)), builder.material(lambert(0.0, 1.0)));
-    builder.sphere([0.0; 3], 1.0, 1, ball, true);
-    builder.quad([-1.0, 3.0, 1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], light);
-    let scene = builder.finish(camera([0.0, 0.5, -4.5], [0.0, 0.3, 0.0], 34.0), None);
+    let (screen, light) = (builder.material(lambert(0.8, 0.0)), builder.material(lambert(0.0, 120.0)));
+    for bottom in [-115.0f64, -55.0] {
+        let normal = |degrees: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            DVec3::new(0.0, sin, -cos)
+        };
+        let [low, high] = [bottom, bottom + 60.0].map(normal);
+        let [left, right] = [-1.0, 1.0].map(|x| DVec3::X * x);
+        builder.smooth_triangle([low + left, high + left, high + right], [low, high, high], screen);
+        builder.smooth_triangle([low + left, high + right, low + right], [low, high, low], screen);
+    }
+    builder.quad([-0.5, 4.0, -2.5], [1.0, 0.0, 0.0], [0.0, 0.0, 0.5], light);
+    let scene = builder.finish(camera([0.0, -0.5, -5.0], [0.0, -0.45, 0.0], 26.0), Some([0.05, 0.06, 0.08]));
     let settings = Settings { max_bounces: 1, ..plain_settings(&scene, SIZE[0], SIZE[1], 64) };
     guarded("terminator", &scene, &settings, Guard::GeometricSide)
 }
 
-/// Every bounce with numbers of its own, and all with the same.
+/// Roulette at 0.7 a bounce, every bounce with numbers of its own, and all with the same: a path that survives once survives
+/// for ever, and is raised each time.
 fn dimensions() -> Plate {
     let scene = load("cornell-box");
-    let settings = Settings { max_bounces: 5, ..plain_settings(&scene, SIZE[0], SIZE[1], 256) };
+    let roulette = Roulette::Fixed(0.7);
+    let settings = Settings { max_bounces: 5, roulette, ..plain_settings(&scene, SIZE[0], SIZE[1], 256) };
     guarded("dimensions", &scene, &settings, Guard::BounceDimensions)
 }
 
