@@ -40,7 +40,7 @@ layout(set = 0, binding = BINDING_SUMS, std430) buffer OpenSums { uvec4 open_sum
 layout(set = 0, binding = BINDING_COUNTERS, std430) buffer Counters { uint counters[]; };
 
 // Questions to a probe kernel, and its answers (tests and self-tests; no kernel of a render names them).
-layout(set = 0, binding = BINDING_PROBE_INPUT) uniform utextureBuffer probe_input;
+layout(set = 0, binding = BINDING_PROBE_INPUT, std430) readonly buffer ProbeInput { uvec4 probe_input[]; };
 layout(set = 0, binding = BINDING_PROBE_OUTPUT, std430) buffer ProbeOutput { uvec4 probe_output[]; };
 
 layout(push_constant) uniform Push {

@@ -53,7 +53,7 @@ void main() {
     if (index >= push.samples) {
         return;
     }
-    uvec4 words = texelFetch(probe_input, int(index));
+    uvec4 words = probe_input[index];
     float a = uintBitsToFloat(words.x);
     float b = uintBitsToFloat(words.y);
     uvec4 first = uvec4(0u);

@@ -17,9 +17,9 @@ void main() {
     if (index >= push.samples) {
         return;
     }
-    uvec4 t0 = texelFetch(probe_input, int(3u * index));
-    uvec4 t1 = texelFetch(probe_input, int(3u * index + 1u));
-    vec3 target = uintBitsToFloat(texelFetch(probe_input, int(3u * index + 2u)).xyz);
+    uvec4 t0 = probe_input[3u * index];
+    uvec4 t1 = probe_input[3u * index + 1u];
+    vec3 target = uintBitsToFloat(probe_input[3u * index + 2u].xyz);
     Hit hit = Hit(1.0, 0u, t0.x, uintBitsToFloat(t0.y), uintBitsToFloat(t0.z));
     Interaction it = make_interaction(hit, uintBitsToFloat(t1.xyz));
     bool shadow = push.flags == 1u;

@@ -37,7 +37,7 @@ void main() {
     if (index >= push.samples) {
         return;
     }
-    uvec4 words = texelFetch(probe_input, int(index));
+    uvec4 words = probe_input[index];
     vec4 args = uintBitsToFloat(words);
     vec4 result = vec4(0.0);
     if (push.flags == 0u) {

@@ -70,9 +70,9 @@ void main() {
     if (index >= push.samples) {
         return;
     }
-    uvec4 words = texelFetch(probe_input, int(3u * index));
-    uvec4 second = texelFetch(probe_input, int(3u * index + 1u));
-    uvec4 third = texelFetch(probe_input, int(3u * index + 2u));
+    uvec4 words = probe_input[3u * index];
+    uvec4 second = probe_input[3u * index + 1u];
+    uvec4 third = probe_input[3u * index + 2u];
     vec4 a = uintBitsToFloat(words);
     vec4 b = uintBitsToFloat(second);
     vec4 c = uintBitsToFloat(third);

@@ -23,8 +23,8 @@ uint is_nan(float value) {
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
-    uvec4 t0 = texelFetch(probe_input, int(2u * index));
-    uvec4 t1 = texelFetch(probe_input, int(2u * index + 1u));
+    uvec4 t0 = probe_input[2u * index];
+    uvec4 t1 = probe_input[2u * index + 1u];
     vec4 args = uintBitsToFloat(t0);
     vec4 special = uintBitsToFloat(t1); // 0, infinity, -1, the smallest normal number
     precise float product = special.x * special.y;

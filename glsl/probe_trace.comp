@@ -18,8 +18,8 @@ void main() {
     if (index >= push.samples) {
         return;
     }
-    uvec4 t0 = texelFetch(probe_input, int(2u * index));
-    uvec4 t1 = texelFetch(probe_input, int(2u * index + 1u));
+    uvec4 t0 = probe_input[2u * index];
+    uvec4 t1 = probe_input[2u * index + 1u];
     Ray ray = make_ray(uintBitsToFloat(t0.xyz), uintBitsToFloat(t1.xyz));
     float limit = uintBitsToFloat(t1.w);
     bool shadow = limit > 0.0;

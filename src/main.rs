@@ -1,7 +1,7 @@
 //! The `texray` program: run one command, print the error, set the exit code.
 //!
-//! Exit codes: 0 done, 1 internal or a failed self-test, 2 usage, 3 bad scene or input, 4 no usable device or device lost, 5 output, 7 invalid
-//! samples under `--strict`, 128 + n after signal n (129, 130, 143), with the picture saved.
+//! Exit codes: 0 done, 1 internal or a failed self-test, 2 usage, 3 bad scene or input, 4 no usable device or device lost,
+//! 5 output, 7 invalid samples under `--strict`, 128 + n after signal n (129, 130, 143), with the picture saved.
 
 #![deny(unsafe_code)]
 

@@ -104,7 +104,7 @@ fn help_lists_every_option_once() {
 fn help_lists_commands() {
     let help = help(&["--help"]);
     let lists = |command: &str| help.lines().any(|line| line.split_whitespace().next() == Some(command));
-    for command in ["render", "explain", "devices"] {
+    for command in ["render", "explain", "devices", "selftest"] {
         assert!(lists(command), "{command} in\n{help}");
     }
     for command in NOT_BUILT_COMMANDS {
@@ -138,6 +138,8 @@ fn unknown_names_are_refused() {
     refused(&["render", "scene.toml", "--ssp", "4"], 2, "--ssp");
     refused(&["render", "scene.toml", "other.toml"], 2, "other.toml");
     refused(&["devices", "--all"], 2, "--all");
+    refused(&["selftest", "--case", "0"], 2, "--case");
+    refused(&["selftest", "--case", "81"], 2, "--case");
 }
 
 #[test]

@@ -293,3 +293,26 @@ fn a_second_signal_quits_at_once() {
     assert_eq!(status, Some(143));
     assert!(seconds < Duration::from_secs(5), "{seconds:?}");
 }
+
+#[test]
+fn the_self_test_tells_of_each_case() {
+    let folder = folder();
+    let document = json(folder.path(), &["selftest", "--case", "4", "--case", "17", "--json"]);
+    assert_eq!(
+        (&document["schema"], &document["passes"], &document["tier"]),
+        (&1.into(), &true.into(), &"fast".into())
+    );
+    let cases = document["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 2);
+    assert_eq!((&cases[0]["case"], &cases[0]["verdict"]), (&4.into(), &"pass".into()));
+    assert!(!cases[0]["findings"].as_array().unwrap().is_empty());
+    assert_eq!(cases[1]["verdict"], "shown_by_tests");
+
+    let output = texray(folder.path(), &["selftest", "--case", "4", "--case", "17", "--case", "75", "--verbose"]);
+    assert_eq!(output.status.code(), Some(0));
+    let table = text(&output.stdout);
+    assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
+    for line in ["  4  ok     min, max and clamp of NaN", " 17  tests  triangles without area", " 75  later  "] {
+        assert!(table.contains(line), "{line} in\n{table}");
+    }
+}

@@ -167,7 +167,7 @@ fn bindings_are_the_contracts() {
         (BINDING_PATHS, "PathStates"),
         (BINDING_SUMS, "OpenSums"),
         (BINDING_COUNTERS, "Counters"),
-        (BINDING_PROBE_INPUT, "probe_input"),
+        (BINDING_PROBE_INPUT, "ProbeInput"),
         (BINDING_PROBE_OUTPUT, "ProbeOutput"),
     ] {
         expected.insert(number, name.to_owned());

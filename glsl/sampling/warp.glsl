@@ -38,19 +38,24 @@ vec2 square_to_disc(vec2 u) {
     return disc_point(radius, vec2(cos(angle), sin(angle)));
 }
 
+// `x` where it is above 0, else 0. A NaN stays one, where max() promises nothing: it is to be counted, not hidden.
+float not_negative(float x) {
+    return x < 0.0 ? 0.0 : x;
+}
+
 // A unit direction around +z with density cos / pi (Malley's method).
 vec3 cosine_hemisphere(vec2 u) {
     vec2 disc = square_to_disc(u);
     precise float z2 = 1.0 - disc.x * disc.x - disc.y * disc.y;
-    return vec3(disc, sqrt(max(z2, 0.0)));
+    return vec3(disc, sqrt(not_negative(z2)));
 }
 
 // A unit direction around +z with density 1 / (2 pi).
 vec3 uniform_hemisphere(vec2 u) {
     vec2 disc = square_to_disc(u);
     precise float r2 = disc.x * disc.x + disc.y * disc.y;
-    precise float scale = sqrt(max(2.0 - r2, 0.0));
-    return vec3(disc * scale, max(1.0 - r2, 0.0));
+    precise float scale = sqrt(not_negative(2.0 - r2));
+    return vec3(disc * scale, not_negative(1.0 - r2));
 }
 
 // Barycentrics (b1, b2) uniform over a triangle.

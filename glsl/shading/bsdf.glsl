@@ -28,9 +28,10 @@ float lambert_pdf(float cosine) {
     return HEMISPHERE == HEMISPHERE_COSINE ? cosine * INV_PI : 0.5 * INV_PI;
 }
 
-// Whether `wi` leaves on the side that the geometry shows, whatever the shading normal says.
-bool on_geometric_side(Interaction it, vec3 wi) {
-    return !guarded(GUARD_GEOMETRIC_SIDE) || dot(wi, it.ng) > 0.0;
+// Whether `wi` leaves on the side that the geometry hides, whatever the shading normal says. Asked this way round, a NaN goes on
+// to where it is counted.
+bool behind_geometry(Interaction it, vec3 wi) {
+    return guarded(GUARD_GEOMETRIC_SIDE) && dot(wi, it.ng) <= 0.0;
 }
 
 BsdfSample sample_lambert(Interaction it, vec2 u) {
@@ -39,7 +40,7 @@ BsdfSample sample_lambert(Interaction it, vec2 u) {
     vec3 local = HEMISPHERE == HEMISPHERE_COSINE ? cosine_hemisphere(u) : uniform_hemisphere(u);
     precise vec3 world = s * local.x + t * local.y + it.ns * local.z;
     vec3 wi = normalize(world);
-    if (!(local.z > 0.0) || !on_geometric_side(it, wi)) {
+    if (local.z <= 0.0 || behind_geometry(it, wi)) {
         return NO_BSDF_SAMPLE;
     }
     // Cosine: albedo / pi * cos / (cos / pi). Uniform: albedo / pi * cos * 2 pi.

@@ -11,9 +11,9 @@
 #include "shading/interaction.glsl"
 
 // Veach's power heuristic with exponent 2, for the strategy with density `a` against one with density `b`. Dividing first
-// keeps the squares from overflowing; 0 against anything is 0, and infinite densities share alike.
+// keeps the squares from overflowing; 0 against anything is 0, and infinite densities share alike. A NaN stays one.
 float power_heuristic(float a, float b) {
-    if (!(a > 0.0)) {
+    if (a <= 0.0) {
         return 0.0;
     }
     if (!guarded(GUARD_HEURISTIC_RATIO)) {
@@ -76,15 +76,15 @@ LightSample sample_light(Interaction it, vec3 o, Light light, vec2 u) {
     precise vec3 wi = d * inversesqrt(distance2);
     precise float cos_light = -(wi.x * light.ng.x + wi.y * light.ng.y + wi.z * light.ng.z);
     precise float cos_surface = wi.x * it.ns.x + wi.y * it.ns.y + wi.z * it.ns.z;
-    // Comparisons that a NaN fails: a point on the light itself gives none of this.
-    bool from_front = cos_light > 0.0 || !guarded(GUARD_LIGHT_COSINE);
-    bool reaches = distance2 > 0.0 && from_front && cos_surface > 0.0 && on_geometric_side(it, wi);
+    // A point on the light itself gets nothing from it. A NaN anywhere else passes these comparisons and is counted.
+    bool from_back = cos_light <= 0.0 && guarded(GUARD_LIGHT_COSINE);
+    bool hidden = distance2 == 0.0 || from_back || cos_surface <= 0.0 || behind_geometry(it, wi);
     float pdf = light_pdf(light.pdf_area, distance2, cos_light);
     bool shared_out = LIGHTS == LIGHTS_MIS && guarded(GUARD_MIS_WEIGHT);
     float weight = shared_out ? power_heuristic(pdf, lambert_pdf(cos_surface)) : 1.0;
     precise vec3 radiance = light.emission * it.material.reflectance * (INV_PI * cos_surface * (weight / pdf));
     precise float height = -(d.x * light.ng.x + d.y * light.ng.y + d.z * light.ng.z);
-    return LightSample(d, shadow_limit(height), reaches ? radiance : vec3(0.0), light.triangle);
+    return LightSample(d, shadow_limit(height), hidden ? vec3(0.0) : radiance, light.triangle);
 }
 
 #endif

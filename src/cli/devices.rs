@@ -40,9 +40,11 @@ impl DevicesArgs {
             });
             lines.extend(device.limits);
             for probe in device.startup.into_iter().flatten() {
-                let verdict = if probe.passes { "" } else { "  FAILED: this device is refused" };
-                lines.push(format!("   probe: {:<20} {}; expected {}{verdict}", probe.what, probe.got, probe.expected));
+                let verdict = if probe.passes { "" } else { "; FAILED: this device is refused" };
+                let line = format!("   probe: {:<20} {}; expected {}{verdict}", probe.what, probe.got, probe.expected);
+                lines.push(streams::folded(&line, 31));
             }
+            lines.extend(device.startup_error.map(|error| streams::folded(&format!("   probe: {error}"), 10)));
         }
         streams::answer(&lines.join("\n"))?;
         Ok(Outcome::Done)

@@ -33,6 +33,8 @@ pub struct DeviceLine {
     pub lacks: Option<String>,
     /// What the start-up probe found, where it was asked for.
     pub startup: Option<Vec<Finding>>,
+    /// Why the start-up probe could not be run.
+    pub startup_error: Option<String>,
 }
 
 impl DeviceLine {
@@ -46,17 +48,21 @@ impl DeviceLine {
             details: to_json(info)?,
             lacks: info.lacks.clone(),
             startup: None,
+            startup_error: None,
         })
     }
 
-    /// Opens the device and asks it what every render asks first.
-    fn probe(&mut self) -> Result<()> {
+    /// Opens the device and asks it what every render asks first. A device that cannot answer says why; the others are
+    /// listed all the same.
+    fn probe(&mut self) {
         if self.lacks.is_none() {
             let device = DeviceChoice::Index(self.index);
-            let context = Context::new(&ContextOptions { device, validation: false })?;
-            self.startup = Some(startup::probe(&context)?);
+            let context = Context::new(&ContextOptions { device, validation: false });
+            match context.and_then(|context| startup::probe(&context)) {
+                Ok(findings) => self.startup = Some(findings),
+                Err(error) => self.startup_error = Some(error.to_string()),
+            }
         }
-        Ok(())
     }
 }
 
@@ -84,7 +90,7 @@ pub struct Engine {
 pub fn devices(probed: bool) -> Result<Vec<DeviceLine>> {
     let mut devices: Vec<_> = gpu::list_devices()?.iter().map(DeviceLine::of).collect::<Result<_>>()?;
     if probed {
-        devices.iter_mut().try_for_each(DeviceLine::probe)?;
+        devices.iter_mut().for_each(DeviceLine::probe);
     }
     Ok(devices)
 }

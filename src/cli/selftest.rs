@@ -9,7 +9,7 @@ use serde::Serialize;
 use texray::Result;
 use texray::selftest::{CaseReport, Finding, GROUPS, Group, Outcome as Found, Tier};
 
-use super::engine::{DeviceLine, Engine};
+use super::engine::Engine;
 use super::signals::Signals;
 use super::{Outcome, streams};
 
@@ -37,13 +37,16 @@ pub struct SelftestArgs {
 }
 
 #[derive(Serialize)]
-struct Document {
+struct Document<'a> {
     schema: u32,
-    device: DeviceLine,
+    device: &'a str,
+    driver: &'a str,
     tier: &'static str,
     seconds: f64,
     passes: bool,
-    validation: Vec<String>,
+    /// The signal that ended the run before its last case.
+    stopped_by: Option<u8>,
+    validation: &'a [String],
     cases: Vec<CaseLine>,
 }
 
@@ -51,63 +54,110 @@ struct Document {
 struct CaseLine {
     case: u8,
     title: &'static str,
-    verdict: &'static str,
+    verdict: Verdict,
     failure_means: &'static str,
+    awaits_in_part: Option<&'static str>,
     seconds: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     note: Option<String>,
     findings: Vec<Finding>,
 }
 
+/// What became of a case.
+#[derive(Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Verdict {
+    Pass,
+    Fail,
+    ShownByTests,
+    AwaitsEffect,
+    Error,
+}
+
+impl Verdict {
+    fn of(outcome: &Found) -> Verdict {
+        match outcome {
+            Found::Ran(_) if outcome.passes() => Verdict::Pass,
+            Found::Ran(_) => Verdict::Fail,
+            Found::ShownBy(_) => Verdict::ShownByTests,
+            Found::Awaits(_) => Verdict::AwaitsEffect,
+            Found::Failed(_) => Verdict::Error,
+        }
+    }
+
+    /// The word of the table.
+    fn word(self) -> &'static str {
+        match self {
+            Verdict::Pass => "ok",
+            Verdict::Fail => "FAIL",
+            Verdict::ShownByTests => "tests",
+            Verdict::AwaitsEffect => "later",
+            Verdict::Error => "ERROR",
+        }
+    }
+}
+
 impl SelftestArgs {
-    /// Runs the cases; a failed one is the exit code 1.
+    /// Runs the cases; a failed one is the exit code 1. A signal ends the run after the case that it meets; what there is is
+    /// printed.
     pub fn run(&self) -> Result<Outcome> {
         let started = Instant::now();
         let signals = Signals::watch()?;
         let engine = Engine::open(self.device.as_deref(), self.validation)?;
         if !self.json {
-            streams::answer(&format!("device {}", engine.device().summary))?;
+            streams::answer(&streams::folded(&format!("device {}", engine.device().summary), 2))?;
         }
-        let tier = if self.full { Tier::Full } else { Tier::Fast };
-        let wanted = |number: u8| self.cases.is_empty() || self.cases.contains(&number);
-        let mut report = Vec::new();
-        for group in &GROUPS {
-            let mut heading = (!self.json).then(|| heading(group));
-            for case in group.cases.iter().filter(|case| wanted(case.number)) {
-                if let Some(signal) = signals.received() {
-                    return Ok(Outcome::Signal(signal));
-                }
-                if let Some(heading) = heading.take() {
-                    streams::answer(&heading)?;
-                }
-                let found = engine.run_case(tier, case);
-                if !self.json {
-                    streams::answer(&lines(&found, self.verbose).join("\n"))?;
-                }
-                report.push(found);
-            }
-        }
+        let report = self.run_cases(&engine, &signals)?;
         let seconds = started.elapsed().as_secs_f64();
         let validation = engine.validation();
         let failed = report.iter().filter(|found| !found.outcome.passes()).count();
         if self.json {
             streams::answer_json(&Document {
                 schema: 1,
-                device: engine.device().clone(),
+                device: &engine.device().name,
+                driver: &engine.device().driver,
                 tier: if self.full { "full" } else { "fast" },
                 seconds,
-                passes: failed == 0 && validation.is_empty(),
-                validation: validation.clone(),
+                passes: failed == 0 && validation.is_empty() && signals.received().is_none(),
+                stopped_by: signals.received(),
+                validation: &validation,
                 cases: report.iter().map(case_line).collect(),
             })?;
         } else {
             validation.iter().for_each(|message| streams::say(&format!("validation: {message}")));
             streams::answer(&summary(&report, seconds))?;
         }
-        Ok(match failed + validation.len() {
-            0 => Outcome::Done,
-            _ => Outcome::HardCasesFailed,
+        Ok(match (signals.received(), failed + validation.len()) {
+            (Some(signal), _) => Outcome::Signal(signal),
+            (None, 0) => Outcome::Done,
+            (None, _) => Outcome::HardCasesFailed,
         })
+    }
+
+    /// Runs what is asked for, group by group, until a signal comes. The table grows on stdout as the cases end; with `--json`
+    /// a line a case goes to stderr.
+    fn run_cases(&self, engine: &Engine, signals: &Signals) -> Result<Vec<CaseReport>> {
+        let tier = if self.full { Tier::Full } else { Tier::Fast };
+        let wanted = |number: u8| self.cases.is_empty() || self.cases.contains(&number);
+        let mut report = Vec::new();
+        for group in &GROUPS {
+            let mut heading = (!self.json).then(|| heading(group));
+            for case in group.cases.iter().filter(|case| wanted(case.number)) {
+                if signals.received().is_some() {
+                    return Ok(report);
+                }
+                if let Some(heading) = heading.take() {
+                    streams::answer(&heading)?;
+                }
+                let found = engine.run_case(tier, case);
+                match self.json {
+                    false => streams::answer(&lines(&found, self.verbose).join("\n"))?,
+                    true => streams::say(&format!("case {}: {}", case.number, Verdict::of(&found.outcome).word())),
+                }
+                report.push(found);
+            }
+        }
+        Ok(report)
     }
 }
 
@@ -115,20 +165,14 @@ fn heading(group: &Group) -> String {
     format!("\n{}  {}", group.letter, group.name)
 }
 
-fn verdict(outcome: &Found) -> &'static str {
-    match outcome {
-        Found::Ran(_) if outcome.passes() => "ok",
-        Found::Ran(_) => "FAIL",
-        Found::ShownBy(_) => "tests",
-        Found::Awaits(_) => "later",
-        Found::Failed(_) => "ERROR",
-    }
-}
+/// Columns before what belongs to a case.
+const MARGIN: usize = 12;
 
 /// A case: its line, what was looked at, and what a failure means.
 fn lines(found: &CaseReport, verbose: bool) -> Vec<String> {
     let case = found.case;
-    let mut lines = vec![format!("{:3}  {:5}  {}", case.number, verdict(&found.outcome), case.title)];
+    let mut lines = vec![format!("{:3}  {:5}  {}", case.number, Verdict::of(&found.outcome).word(), case.title)];
+    let note = |text: &str| streams::folded(&format!("{:MARGIN$}{text}", ""), MARGIN);
     match &found.outcome {
         Found::Ran(findings) => {
             lines[0] += &format!(" ({}, {:.1} s)", count(findings.len(), "check"), found.seconds);
@@ -138,24 +182,24 @@ fn lines(found: &CaseReport, verbose: bool) -> Vec<String> {
                 (false, true) => findings.iter().take(1).collect(),
                 (false, false) => failing.collect(),
             };
-            lines.extend(shown.into_iter().flat_map(finding_lines));
+            for Finding { what, expected, got, tolerance, passes } in shown {
+                let mark = if *passes { " " } else { "!" };
+                lines.push(streams::folded(&format!("          {mark} {what}"), MARGIN));
+                lines.push(note(&format!("expected {expected}, got {got}")));
+                lines.push(note(&format!("tolerance: {tolerance}")));
+            }
+            lines.extend(case.awaits_in_part().map(|part| note(&format!("later: {part}"))));
+            if !found.outcome.passes() {
+                lines.push(note(&format!("pictures: {}", case.meaning)));
+            }
         }
-        Found::ShownBy(program) => lines.push(format!("            {program}")),
-        Found::Awaits(effect) => lines.push(format!("            awaits {effect}")),
-        Found::Failed(error) => lines.push(format!("            {error}")),
+        Found::ShownBy(program) => lines.push(note(program)),
+        Found::Awaits(effect) => lines.push(note(&format!("awaits {effect}"))),
+        // It says nothing about pictures.
+        Found::Failed(error) => lines.push(note(error)),
     }
-    if !found.outcome.passes() {
-        lines.push(format!("            pictures: {}", case.meaning));
-    }
+    lines[0] = streams::folded(&lines[0], MARGIN);
     lines
-}
-
-fn finding_lines(finding: &Finding) -> [String; 2] {
-    let mark = if finding.passes { " " } else { "!" };
-    [
-        format!("          {mark} {}", finding.what),
-        format!("            expected {}, got {}; tolerance: {}", finding.expected, finding.got, finding.tolerance),
-    ]
 }
 
 fn count(number: usize, thing: &str) -> String {
@@ -163,17 +207,21 @@ fn count(number: usize, thing: &str) -> String {
 }
 
 fn summary(report: &[CaseReport], seconds: f64) -> String {
-    let of = |wanted: &[&str]| report.iter().filter(|found| wanted.contains(&verdict(&found.outcome))).count();
-    let mut text = format!(
-        "\n{} passed, {} failed, {} shown by the repository's tests, {} for effects to come, in {seconds:.0} s",
-        count(of(&["ok"]), "case"),
-        of(&["FAIL", "ERROR"]),
-        of(&["tests"]),
-        of(&["later"]),
+    let of = |wanted: Verdict| report.iter().filter(|found| Verdict::of(&found.outcome) == wanted).count();
+    let in_part = report.iter().filter(|found| found.case.awaits_in_part().is_some()).count();
+    let text = format!(
+        "{} passed ({in_part} of them in part), {} failed, {} could not be run, {} shown by the repository's tests, {} for \
+         effects to come, in {seconds:.0} s",
+        count(of(Verdict::Pass), "case"),
+        of(Verdict::Fail),
+        of(Verdict::Error),
+        of(Verdict::ShownByTests),
+        of(Verdict::AwaitsEffect),
     );
+    let mut text = format!("\n{}", streams::folded(&text, 0));
     let broken: Vec<String> = report
         .iter()
-        .filter(|found| !found.outcome.passes())
+        .filter(|found| Verdict::of(&found.outcome) == Verdict::Fail)
         .map(|found| format!("\n  case {}: {}", found.case.number, found.case.meaning))
         .collect();
     if !broken.is_empty() {
@@ -192,14 +240,9 @@ fn case_line(found: &CaseReport) -> CaseLine {
     CaseLine {
         case: found.case.number,
         title: found.case.title,
-        verdict: match verdict(&found.outcome) {
-            "ok" => "pass",
-            "FAIL" => "fail",
-            "tests" => "shown_by_tests",
-            "later" => "awaits_effect",
-            _ => "error",
-        },
+        verdict: Verdict::of(&found.outcome),
         failure_means: found.case.meaning,
+        awaits_in_part: found.case.awaits_in_part(),
         seconds: found.seconds,
         note,
         findings,

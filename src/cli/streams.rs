@@ -11,6 +11,28 @@ pub fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
+/// Columns of a terminal that no line of a table exceeds.
+const COLUMNS: usize = 80;
+
+/// The text broken at spaces into lines of at most 80 columns, all but the first indented. A longer word stays whole.
+pub fn folded(text: &str, indent: usize) -> String {
+    let mut lines = Vec::new();
+    // Spaces that begin the text or stand in a row are layout: only single ones are places to break at.
+    let mut rest = text;
+    let mut margin = 0;
+    while margin + rest.chars().count() > COLUMNS {
+        let room = rest.char_indices().nth(COLUMNS - margin + 1).map_or(rest.len(), |(at, _)| at);
+        let start = rest.len() - rest.trim_start().len();
+        let Some(cut) = rest[start..room].rfind(' ').or_else(|| rest[start..].find(' ')) else { break };
+        let cut = start + cut;
+        lines.push(format!("{:margin$}{}", "", rest[..cut].trim_end()));
+        rest = rest[cut..].trim_start();
+        margin = indent;
+    }
+    lines.push(format!("{:margin$}{rest}", ""));
+    lines.join("\n")
+}
+
 /// A result on stdout, with a line feed. A reader that has read enough (`| head`) is not an error.
 pub fn answer(text: &str) -> Result<()> {
     let mut stdout = io::stdout().lock();
@@ -28,4 +50,24 @@ pub fn answer_json(document: &impl serde::Serialize) -> Result<()> {
 /// A value as indented JSON.
 pub fn json(document: &impl serde::Serialize) -> Result<String> {
     serde_json::to_string_pretty(document).map_err(|error| Error::Internal(format!("JSON: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::folded;
+
+    #[test]
+    fn lines_are_folded_at_spaces() {
+        let words = "  abc: ".to_owned() + &"word ".repeat(40);
+        let text = folded(words.trim_end(), 4);
+        assert!(text.lines().count() == 3 && text.lines().all(|line| line.len() <= 80), "{text}");
+        assert!(text.starts_with("  abc: word") && text.lines().skip(1).all(|line| line.starts_with("    word")));
+        assert_eq!(text.split_whitespace().count(), 41);
+        let long = "x".repeat(100);
+        assert_eq!(folded(&long, 2), long);
+        assert_eq!(folded(&format!("a {long} b"), 2), format!("a\n  {long}\n  b"));
+        assert_eq!(folded("short", 2), "short");
+        let exact = "y".repeat(78) + " z";
+        assert_eq!(folded(&exact, 2), exact);
+    }
 }

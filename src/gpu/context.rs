@@ -3,14 +3,16 @@
 //! Comes in: which device, and whether to validate. Goes out: a [`Context`], cheap to clone and to share between
 //! threads. Contexts share nothing: each has an instance, a device and messages of its own.
 
+use std::collections::HashMap;
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::choice::DeviceChoice;
 use super::device::Device;
 use super::device_info::DeviceInfo;
 use super::instance::Instance;
 use super::messages::{ValidationReport, ValidationWatch};
+use super::pipeline::{ComputePipeline, PipelineKey};
 use super::slot::CommandSlot;
 use crate::Result;
 
@@ -30,6 +32,8 @@ pub struct Context(Arc<Inner>);
 struct Inner {
     /// Command slots that no recorder and no work in flight uses.
     free_slots: Mutex<Vec<CommandSlot>>,
+    /// Every pipeline that was asked for by its description: some drivers take more than a minute to compile one.
+    pipelines: Mutex<HashMap<PipelineKey, Arc<ComputePipeline>>>,
     device: Arc<Device>,
 }
 
@@ -45,7 +49,7 @@ impl Context {
         let info = options.device.pick(&devices)?.clone();
         let physical = physical[info.index];
         let device = Device::new(instance, physical, info)?;
-        Ok(Context(Arc::new(Inner { free_slots: Mutex::default(), device })))
+        Ok(Context(Arc::new(Inner { free_slots: Mutex::default(), pipelines: Mutex::default(), device })))
     }
 
     /// Identity and limits of the device.
@@ -84,6 +88,11 @@ impl Context {
 
     pub(super) fn device(&self) -> &Arc<Device> {
         &self.0.device
+    }
+
+    /// Pipelines by what they are made of, for as long as the context lives.
+    pub(super) fn pipelines(&self) -> MutexGuard<'_, HashMap<PipelineKey, Arc<ComputePipeline>>> {
+        self.0.pipelines.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// A command slot: a used one where there is one, else a new one.

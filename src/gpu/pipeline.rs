@@ -4,6 +4,7 @@
 //! bindings are in descriptor set 0; push constants begin at byte 0.
 
 use std::fmt;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
 use ash::vk;
@@ -15,7 +16,7 @@ use super::handle::Handle;
 use crate::{Error, Result};
 
 /// Kind of a binding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum BindingKind {
     /// A uniform texel buffer (`utextureBuffer`).
     Texel,
@@ -24,7 +25,7 @@ pub enum BindingKind {
 }
 
 /// A binding that the shader declares.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BindingSlot {
     /// Its number in set 0.
     pub number: u32,
@@ -47,6 +48,29 @@ pub struct PipelineDesc<'a> {
     pub specialization: &'a [(u32, u32)],
 }
 
+/// What two descriptions of one pipeline have in common: all but the name. Modules go by their hash: of so few, no two share
+/// 64 bits.
+#[derive(Debug, PartialEq, Eq, Hash)]
+pub(super) struct PipelineKey {
+    spirv_hash: u64,
+    bindings: Vec<BindingSlot>,
+    push_constant_bytes: u32,
+    specialization: Vec<(u32, u32)>,
+}
+
+impl PipelineKey {
+    fn of(desc: &PipelineDesc<'_>) -> PipelineKey {
+        let mut hasher = DefaultHasher::new();
+        desc.spirv.hash(&mut hasher);
+        PipelineKey {
+            spirv_hash: hasher.finish(),
+            bindings: desc.bindings.to_vec(),
+            push_constant_bytes: desc.push_constant_bytes,
+            specialization: desc.specialization.to_vec(),
+        }
+    }
+}
+
 /// A compute pipeline.
 pub struct ComputePipeline {
     // Children before parents: the pipeline, its layout, the layout of its set.
@@ -60,6 +84,18 @@ pub struct ComputePipeline {
 }
 
 impl ComputePipeline {
+    /// The pipeline of this description: the one that the context has made before, or a new one, which it keeps.
+    pub fn shared(context: &Context, desc: &PipelineDesc<'_>) -> Result<Arc<ComputePipeline>> {
+        let key = PipelineKey::of(desc);
+        if let Some(made) = context.pipelines().get(&key) {
+            return Ok(made.clone());
+        }
+        // Not under the lock, which would have all wait for the compiler; who comes second replaces an equal one.
+        let pipeline = ComputePipeline::new(context, desc)?;
+        context.pipelines().insert(key, pipeline.clone());
+        Ok(pipeline)
+    }
+
     /// Makes the pipeline. Drivers compile here or in the first dispatch (lavapipe mostly in the latter).
     pub fn new(context: &Context, desc: &PipelineDesc<'_>) -> Result<Arc<ComputePipeline>> {
         let (device, name) = (context.device(), desc.name);

@@ -62,7 +62,7 @@ pub fn path_tracer(
         (SPEC_WITHOUT_GUARD, tuning.without_guard.map_or(GUARD_NONE, Guard::number)),
     ];
     specialization.extend((0..EFFECTS).map(|effect| (SPEC_EFFECTS + effect, u32::from(effects.is_on(effect)))));
-    ComputePipeline::new(
+    ComputePipeline::shared(
         context,
         &PipelineDesc {
             name: "path tracer",

@@ -37,3 +37,20 @@ pub struct Group {
     /// Its cases, in order of number.
     pub cases: &'static [Case],
 }
+
+/// Cases of which a part waits for something that is not built, and what that part is.
+pub const IN_PART: &[(u8, &str)] = &[
+    (47, "the picture at the smallest roughness awaits rough materials"),
+    (57, "mixtures of lobes in a furnace await materials that mix"),
+    (60, "two films made apart await the command `merge`"),
+    (66, "the figure of the missing energy awaits the report of the bias"),
+    (67, "the clamped half awaits a clamp"),
+    (77, "rough glass awaits rough materials"),
+];
+
+impl Case {
+    /// What of it waits for something that is not built.
+    pub fn awaits_in_part(&self) -> Option<&'static str> {
+        IN_PART.iter().find(|(number, _)| *number == self.number).map(|&(_, part)| part)
+    }
+}

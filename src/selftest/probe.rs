@@ -4,13 +4,13 @@ use crate::Result;
 use crate::bvh::Accel;
 use crate::gpu::{
     Barrier, BindGroup, BindingKind, BindingSlot, Buffer, BufferUse, ComputePipeline, Context, Ledger, Memory,
-    PipelineDesc, Readback, Recorder, Resource, TexelBuffer, Uploader,
+    PipelineDesc, Readback, Recorder, Resource, Uploader,
 };
 use crate::interface::*;
 use crate::render::guard::Guard;
 use crate::render::kernel::{self, Constants, Dispatch};
 use crate::render::tiles::Tile;
-use crate::render::upload::GpuScene;
+use crate::render::upload::{GpuScene, fits_texel_buffers};
 use crate::settings::Buffers;
 use crate::texels::{Texel, TexelData};
 
@@ -52,14 +52,16 @@ impl Probe<'_> {
     /// Runs it `dispatches` times over the same output, which is zero at first.
     pub fn run_repeated(&self, context: &Context, dispatches: u32) -> Result<Vec<Texel>> {
         let mut ledger = Ledger::default();
-        let scene = GpuScene::upload(context, self.data, self.buffers, &mut ledger)?;
+        // As a render chooses.
+        let buffers = if fits_texel_buffers(self.data, context) { self.buffers } else { Buffers::Storage };
+        let scene = GpuScene::upload(context, self.data, buffers, &mut ledger)?;
         let accel_value = match self.accel {
             Accel::Brute => ACCEL_BRUTE,
             Accel::Binary(_) => ACCEL_BINARY,
             Accel::Wide(_) => ACCEL_WIDE,
         };
         let mut specialization = vec![
-            (SPEC_STORAGE_RECORDS, u32::from(self.buffers == Buffers::Storage)),
+            (SPEC_STORAGE_RECORDS, u32::from(buffers == Buffers::Storage)),
             (SPEC_ACCEL, accel_value),
             (SPEC_STACK_ENTRIES, self.accel.stack_entries()),
             (SPEC_WITHOUT_GUARD, self.without_guard.map_or(GUARD_NONE, Guard::number)),
@@ -67,9 +69,9 @@ impl Probe<'_> {
         specialization.retain(|(id, _)| self.specialization.iter().all(|(given, _)| given != id));
         specialization.extend_from_slice(&self.specialization);
         let mut bindings = kernel::bindings();
-        bindings.push(BindingSlot { number: BINDING_PROBE_INPUT, kind: BindingKind::Texel });
+        bindings.push(BindingSlot { number: BINDING_PROBE_INPUT, kind: BindingKind::Storage });
         bindings.push(BindingSlot { number: BINDING_PROBE_OUTPUT, kind: BindingKind::Storage });
-        let pipeline = ComputePipeline::new(
+        let pipeline = ComputePipeline::shared(
             context,
             &PipelineDesc {
                 name: "probe",
@@ -84,18 +86,18 @@ impl Probe<'_> {
             Buffer::new(context, name, bytes, BufferUse { storage: true, texel: false }, Memory::Device)
         };
         let (output, scratch) = (storage("probe output", bytes)?, storage("scratch", 256)?);
-        let input = TexelBuffer::new(context, "probe input", 16 * self.input.len().max(1) as u64)?;
+        let input = storage("probe input", 16 * self.input.len().max(1) as u64)?;
         let mut uploader = Uploader::new(context)?;
         if !self.input.is_empty() {
             let input_bytes = bytemuck::cast_slice(self.input);
-            uploader.upload(&mut ledger, input.buffer(), 0, input_bytes, "questions")?;
+            uploader.upload(&mut ledger, &input, 0, input_bytes, "questions")?;
         }
         uploader.finish()?;
         let mut resources = scene.resources().to_vec();
         resources.extend(
             [BINDING_PATHS, BINDING_SUMS, BINDING_COUNTERS].map(|number| (number, Resource::Storage(scratch.clone()))),
         );
-        resources.push((BINDING_PROBE_INPUT, Resource::Texel(input)));
+        resources.push((BINDING_PROBE_INPUT, Resource::Storage(input)));
         resources.push((BINDING_PROBE_OUTPUT, Resource::Storage(output.clone())));
         let group = BindGroup::new(&pipeline, &resources)?;
 
