@@ -18,7 +18,8 @@ mod interface;
 
 /// Modules that do not follow the rule 'one source, one module of its name, no defines': module, source, defines. A
 /// source named here is built only as listed. A specialisation constant is preferred wherever it can do the job; a
-/// define is needed where the *declared capabilities* differ, which no constant can take away.
+/// define is needed for what no constant can take away: declared capabilities (`SUBGROUP_BALLOT`), execution modes
+/// (`KEEP_NAN`), decorations (`PRECISE`), and a header that stands in for another (`FUSED_EDGES`). The last two are for tests.
 const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("path_trace", "path_trace.comp", &["SUBGROUP_BALLOT=1", "KEEP_NAN=0"]),
     ("path_trace_keep_nan", "path_trace.comp", &["SUBGROUP_BALLOT=1", "KEEP_NAN=1"]),

@@ -9,13 +9,7 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 #endif
 
-#if KEEP_NAN
-#extension GL_EXT_spirv_intrinsics : require
-// SignedZeroInfNanPreserve for 32-bit floats (SPV_KHR_float_controls): the driver may not assume that there is no NaN, so
-// what a stage got wrong reaches the sample's sum, where it is counted.
-spirv_execution_mode(extensions = ["SPV_KHR_float_controls"], capabilities = [4466], 4461, 32);
-#endif
-
+#include "keep_nan.glsl"
 #include "bindings.glsl"
 #include "path.glsl"
 

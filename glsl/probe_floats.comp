@@ -11,22 +11,11 @@
 
 #include "bindings.glsl"
 #include "camera.glsl"
+#include "probes/product_error.glsl"
 #include "sampling/random.glsl"
 #include "trace/ray.glsl"
 
 layout(local_size_x = 64) in;
-
-// Error of the product p = a * b without fma: both factors in halves of 12 bits (Dekker 1971).
-float product_error(float a, float b, float p) {
-    precise float ca = a * 4097.0;
-    precise float a_high = ca - (ca - a);
-    precise float a_low = a - a_high;
-    precise float cb = b * 4097.0;
-    precise float b_high = cb - (cb - b);
-    precise float b_low = b - b_high;
-    precise float error = ((a_high * b_high - p) + a_high * b_low + a_low * b_high) + a_low * b_low;
-    return error;
-}
 
 uvec3 unit_floats(uint first, uint count) {
     uvec3 result = uvec3(0u);

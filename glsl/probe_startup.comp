@@ -6,12 +6,9 @@
 //   [inversesqrt(a), a + b, a * b, smallest normal / 2]
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#if KEEP_NAN
-#extension GL_EXT_spirv_intrinsics : require
-// As path_trace.comp has it: the probe runs in the mode of the renders that it speaks for.
-spirv_execution_mode(extensions = ["SPV_KHR_float_controls"], capabilities = [4466], 4461, 32);
-#endif
 
+// The probe runs in the mode of the renders that it speaks for.
+#include "keep_nan.glsl"
 #include "bindings.glsl"
 
 layout(local_size_x = 64) in;

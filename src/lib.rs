@@ -9,6 +9,7 @@
 //!
 //! A later stage may import an earlier one, never the reverse. [`gpu`] is the layer beneath: it alone names Vulkan and
 //! holds `unsafe`, and knows nothing of scenes. [`interface`] states what CPU and GPU agree on.
+//! [`selftest`] stands above all stages and asks them hard questions.
 
 #![deny(unsafe_code)]
 

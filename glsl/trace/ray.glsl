@@ -6,7 +6,7 @@
 #include "guards.glsl"
 
 // 2^-20: a triangle's own box grows by this share of the ray's reach; it covers the rounding of the slab test and of the
-// sheared vertices (docs/decisions.md, 'hit order').
+// sheared vertices (docs/decisions.md, 'order of hits').
 const float TRIANGLE_PAD = 9.5367431640625e-7;
 // 2^-19: a node's box grows by twice that, so that whatever a triangle's own box admits, every box around it admits.
 const float NODE_PAD = 1.9073486328125e-6;

@@ -1,4 +1,4 @@
-//! The library as the commands use it: list, explain, render.
+//! The library as the commands use it: list, explain, render, self-test.
 //!
 //! Comes in: checked requests. Goes out: what the library answers, in the commands' words. Everything the commands need
 //! of `gpu` and of the renderer goes through here.

@@ -15,6 +15,11 @@ use crate::interface::{
 use crate::texels::Texel;
 use crate::{Error, Result};
 
+/// What the finding about NaN looks at.
+pub const NAN: &str = "nan";
+/// What the finding about loops looks at.
+pub const LOOPS: &str = "loops";
+
 /// Invocations: one workgroup.
 const CALLS: usize = 64;
 /// Iterations that the probe's loop asks for.
@@ -87,7 +92,7 @@ fn verdict(device: &str, findings: &[Finding]) -> Result<()> {
 }
 
 /// Iterations after which the kernel's generator is in `state`, if it gets there at all.
-pub fn iterations(state: u32) -> Option<u32> {
+fn iterations(state: u32) -> Option<u32> {
     let mut current = 1u32;
     (0..=ITERATIONS).find(|_| {
         let found = current == state;
@@ -101,13 +106,13 @@ fn nan(answers: &[[Texel; 3]]) -> Finding {
     let missed: Vec<&str> =
         NAN_QUESTIONS.iter().enumerate().filter(|(bit, _)| flags >> bit & 1 == 0).map(|(_, name)| *name).collect();
     let got = if missed.is_empty() { "all of them".to_owned() } else { format!("not {}", missed.join(", ")) };
-    Finding::holds("nan", format!("{} give NaN", NAN_QUESTIONS.join(", ")), got, missed.is_empty())
+    Finding::holds(NAN, format!("{} give NaN", NAN_QUESTIONS.join(", ")), got, missed.is_empty())
 }
 
 fn loops(answers: &[[Texel; 3]]) -> Finding {
     let least = answers.iter().map(|answer| iterations(answer[0][1]).unwrap_or(0)).min().unwrap_or(0);
     let got = if least == ITERATIONS { format!("{least}, all that were asked for") } else { least.to_string() };
-    Finding::holds("loops", format!("at least {NEEDED_ITERATIONS} iterations"), got, least >= NEEDED_ITERATIONS)
+    Finding::holds(LOOPS, format!("at least {NEEDED_ITERATIONS} iterations"), got, least >= NEEDED_ITERATIONS)
 }
 
 /// Sums, products and both together, each rounded on its own to the nearest: the tests of edges and boxes rest on it.

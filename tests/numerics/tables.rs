@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use texray::render::Guard;
-use texray::selftest::{Bench, CaseReport, Finding, GROUPS, Outcome, Tier, case, run_case};
+use texray::selftest::{Bench, CaseReport, Finding, GROUPS, Outcome, Tier, case, run_case, startup};
 
 use crate::harness::device::{assert_valid, context};
 
@@ -12,9 +12,12 @@ pub fn cases() -> String {
     let bench = Bench::new(context(), Tier::Full);
     let mut text = String::new();
     for group in &GROUPS {
-        let _ =
-            writeln!(text, "\n**{} {}**\n\n| case | checks | of these | expected | got |", group.letter, group.name);
-        text += "|---|---|---|---|---|\n";
+        let _ = writeln!(
+            text,
+            "\n**{} {}**\n\n| case | what fails | what fails | checks | of these | expected | got |",
+            group.letter, group.name
+        );
+        text += "|---|---|---|---|---|---|\n";
         for case in group.cases {
             let report = run_case(&bench, case);
             assert!(report.outcome.passes(), "case {}: {:?}", case.number, report.outcome);
@@ -28,11 +31,12 @@ pub fn cases() -> String {
 
 fn case_row(report: &CaseReport) -> String {
     let CaseReport { case, outcome, .. } = report;
-    let start = format!("| {} {} |", case.number, cell(case.title));
+    let start = format!("| {} {} | {} |", case.number, cell(case.title), cell(case.meaning));
+    let later = case.awaits_in_part().map_or(String::new(), |part| format!("; later: {part}"));
     match outcome {
         Outcome::Ran(findings) => {
             let Finding { what, expected, got, .. } = telling(findings);
-            format!("{start} {} | {} | {} | {} |\n", findings.len(), cell(what), cell(expected), cell(got))
+            format!("{start} {} | {} | {} | {}{later} |\n", findings.len(), cell(what), cell(expected), cell(got))
         }
         Outcome::ShownBy(test) => format!("{start} | shown by {} | | |\n", cell(test)),
         Outcome::Awaits(effect) => format!("{start} | awaits {} | | |\n", cell(effect)),
@@ -42,7 +46,7 @@ fn case_row(report: &CaseReport) -> String {
 
 /// The finding to show: the first, or the first after figures of the start-up probe, which `texray devices -v` shows.
 fn telling(findings: &[Finding]) -> &Finding {
-    findings.iter().find(|finding| finding.what != "loops").unwrap_or(&findings[0])
+    findings.iter().find(|finding| finding.what != startup::LOOPS).unwrap_or(&findings[0])
 }
 
 /// Every guard, and what its case finds first without it, at the fast tier.
@@ -56,7 +60,8 @@ pub fn guards() -> String {
         let bitten = findings.iter().find(|finding| !finding.passes).expect("the case fails without its guard");
         let _ = writeln!(
             text,
-            "| `{guard:?}` | {} | {} | {} | {} | {} |",
+            "| `{}` | {} | {} | {} | {} | {} |",
+            guard.name(),
             cell(guard.purpose()),
             guard.case(),
             cell(&bitten.what),
