@@ -11,6 +11,8 @@
 //   6  sample_glass: [wo, ior] [u, front]               -> [wi, weight] [eta_scale, transmitted]
 //   7  sample_light: [o, light] [u, v, albedo] [normal] -> [radiance, as a BSDF sample, squared distance]
 //   8  disc_point: [radius, cosine, sine]               -> [point]
+//   9  ggx_value_cosine, ggx_pdf: [wo, alpha] [wi]      -> [value, value with wo and wi exchanged, pdf of wi]
+//  10  reflect_about of wo, b.x times, about normals of its own -> [wi, |wi|^2]
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -30,6 +32,7 @@ const uint WEIGHTS = 64u;
 Interaction flat_interaction(vec3 p, vec3 n, bool front, Material material) {
     Interaction it;
     it.p = p;
+    it.inner = p;
     it.p_error = vec3(0.0);
     it.ng = n;
     it.ns = n;
@@ -108,6 +111,17 @@ void main() {
         result = vec4(arriving.radiance.r, bsdf_light_sample(it, light, arriving.d), dot(arriving.d, arriving.d), 0.0);
     } else if (push.flags == 8u) {
         result.xy = disc_point(a.x, a.yz);
+    } else if (push.flags == 9u) {
+        // Over the cosines: the value alone is what reciprocity speaks of.
+        result = vec4(ggx_value_cosine(a.xyz, b.xyz, a.w) / b.z, ggx_value_cosine(b.xyz, a.xyz, a.w) / a.z,
+                      ggx_pdf(a.xyz, b.xyz, a.w), 0.0);
+    } else if (push.flags == 10u) {
+        vec3 w = a.xyz;
+        for (uint i = 0u; i < uint(b.x); i++) {
+            w = reflect_about(w, uniform_hemisphere(unit_float2(pcg4d(uvec4(index, i, 76u, 0u)).xy)));
+        }
+        precise float length2 = w.x * w.x + w.y * w.y + w.z * w.z;
+        result = vec4(w, length2);
     }
     probe_output[2u * index] = floatBitsToUint(result);
     probe_output[2u * index + 1u] = floatBitsToUint(more);

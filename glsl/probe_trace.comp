@@ -1,7 +1,8 @@
 // Probe for tests: the hits of given rays, by the renderer's own traversal.
 //
 // In: two texels a ray, [o.xyz, skip], [d.xyz, limit]; limit 0 asks for the closest hit, anything else for any hit before it.
-// push.samples rays. FUSED_EDGES builds the mutant of a driver that fuses. Out: two texels a ray, [key, id, triangle, searching] and [b1, b2, nodes, triangles tested].
+// push.samples rays. FUSED_EDGES builds the mutant of a driver that fuses. Out: two texels a ray, [key, id, triangle, stack
+// overflows] and [b1, b2, nodes, triangles tested].
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -29,6 +30,6 @@ void main() {
     }
     uint nodes, triangles;
     Hit hit = walk(ray, start, t0.w, NO_INDEX, shadow, nodes, triangles).best;
-    probe_output[2u * index] = uvec4(floatBitsToUint(hit.key), hit.id, hit.triangle, 0u);
+    probe_output[2u * index] = uvec4(floatBitsToUint(hit.key), hit.id, hit.triangle, stack_overflows);
     probe_output[2u * index + 1u] = uvec4(floatBitsToUint(hit.b1), floatBitsToUint(hit.b2), nodes, triangles);
 }

@@ -229,7 +229,7 @@ fn bases_are_orthonormal_and_right_handed() {
     // Hard case 55: the vectors of pbrt's own test, the axes, and random directions.
     let mut normals = vec![
         [0.000_385_273_16, 0.000_384_600_16, -0.999_999_9, 0.0],
-        [-0.000_198_135_81, -0.000_089_468_39, -1.0, 0.0f32],
+        [-0.000_198_135_81, -0.000_089_468_39, -0.999_999_9, 0.0f32],
     ];
     for axis in 0..3 {
         for sign in [1.0, -1.0] {

@@ -3,6 +3,7 @@
 //! Comes in: a scene and settings. Goes out: moments over pixels of one expectation, bits to compare, or tiles with their
 //! variances. A render in which a sample was left out is an error here, as no such case expects one.
 
+use super::directions::Worst;
 use super::finding::VERDICTS;
 use super::statistics::{Moments, critical_z};
 use super::{Bench, Finding};
@@ -30,12 +31,18 @@ pub fn bits(bench: &Bench, scene: &Scene, settings: &Settings) -> Result<Vec<[u3
     Ok(rendered(bench, scene, settings)?.film.mean().into_iter().map(|pixel| pixel.map(f32::to_bits)).collect())
 }
 
+/// Pixels that are not black.
+pub fn lit_pixels(bench: &Bench, scene: &Scene, settings: &Settings) -> Result<u64> {
+    let film = rendered(bench, scene, settings)?.film;
+    Ok(film.mean().iter().filter(|rgb| rgb.iter().any(|&channel| channel != 0.0)).count() as u64)
+}
+
 /// Largest relative distance of any pixel's channel from `expected`.
 pub fn worst_error(bench: &Bench, scene: &Scene, settings: &Settings, expected: f64) -> Result<f64> {
     let film = rendered(bench, scene, settings)?.film;
-    let errors = film.mean().into_iter().flatten().map(|value| (f64::from(value) / expected - 1.0).abs());
-    // A maximum that keeps a NaN.
-    Ok(errors.fold(0.0, |worst, error| if error <= worst { worst } else { error }))
+    let mut worst = Worst::default();
+    film.mean().into_iter().flatten().for_each(|value| worst.add((f64::from(value) / expected - 1.0).abs()));
+    Ok(worst.0)
 }
 
 /// Pixels in which two pictures differ.
@@ -54,19 +61,18 @@ pub fn compare_tiles(
     [first, second]: [(&Scene, &Settings); 2],
 ) -> Result<Finding> {
     let (a, b) = (tiles(bench, first)?, tiles(bench, second)?);
-    let mut worst: f64 = 0.0;
+    let mut worst = Worst::default();
     let mut compared = 0;
     for (a, b) in a.iter().zip(&b) {
         let variance = a.1 + b.1;
         if variance > 0.0 || a.0 != b.0 {
-            let z = (a.0 - b.0).abs() / variance.sqrt();
-            worst = if z <= worst { worst } else { z };
+            worst.add((a.0 - b.0).abs() / variance.sqrt());
             compared += 1;
         }
     }
     let limit = critical_z(compared.max(1) * VERDICTS);
     let why = format!("largest z of {compared} tiles (false alarms: 1e-6 over {VERDICTS} such cases)");
-    Ok(Finding::at_most(what, limit, worst, &why))
+    Ok(Finding::at_most(what, limit, worst.0, &why))
 }
 
 /// Mean and its variance for each tile and channel, from the film's replicates.

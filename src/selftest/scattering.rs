@@ -46,6 +46,10 @@ pub const GLASS: u32 = 6;
 pub const LIGHT_SAMPLE: u32 = 7;
 /// `disc_point`.
 pub const DISC_POINT: u32 = 8;
+/// `ggx_value_cosine` both ways, and `ggx_pdf`.
+pub const GGX_EVALUATE: u32 = 9;
+/// `reflect_about`, many times.
+pub const REFLECTIONS: u32 = 10;
 /// Weights of a call of [`GGX_WEIGHTS`].
 pub const WEIGHTS: usize = 64;
 

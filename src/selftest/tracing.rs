@@ -31,6 +31,8 @@ pub struct Answer {
     pub nodes: u32,
     /// Triangles tested.
     pub triangles: u32,
+    /// Entries that the traversal stack had no room for.
+    pub overflows: u32,
 }
 
 impl Answer {
@@ -179,9 +181,9 @@ impl Mesh {
             output_texels: 2,
             without_guard: None,
         })?;
-        let answer = |&[[key, id, triangle, _], [b1, b2, nodes, triangles]]: &[Texel; 2]| {
+        let answer = |&[[key, id, triangle, overflows], [b1, b2, nodes, triangles]]: &[Texel; 2]| {
             let [key, b1, b2] = [key, b1, b2].map(f32::from_bits);
-            Answer { hit: (triangle != NO_INDEX).then_some(Hit { id, key, b1, b2 }), nodes, triangles }
+            Answer { hit: (triangle != NO_INDEX).then_some(Hit { id, key, b1, b2 }), nodes, triangles, overflows }
         };
         Ok(answers.as_chunks::<2>().0.iter().map(answer).collect())
     }

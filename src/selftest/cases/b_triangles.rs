@@ -11,7 +11,7 @@ use crate::scene::normalise::has_area;
 use crate::scene::{Scene, Triangle};
 use crate::selftest::bench::plain_settings;
 use crate::selftest::meshes::{self, displaced_sphere};
-use crate::selftest::pictures::{pixel_moments, worst_error};
+use crate::selftest::pictures::{lit_pixels, pixel_moments, worst_error};
 use crate::selftest::random::Random;
 use crate::selftest::scenes::{SceneBuilder, camera, lambert};
 use crate::selftest::tracing::{Mesh, leaks, mismatches, trees};
@@ -377,11 +377,15 @@ fn flush_ceiling(view: crate::scene::Camera) -> Scene {
 fn flush_light(bench: &Bench) -> Result<Vec<Finding>> {
     let up = flush_ceiling(camera([0.1, 0.1, -0.2], [0.05, 1.0, 0.1], 20.0));
     let seen = worst_error(bench, &up, &Settings { max_bounces: 1, ..plain_settings(&up, 16, 16, 16) }, 1.0)?;
+    // The ceiling beside the light, its border just out of view.
+    let beside = flush_ceiling(camera([1.2, 0.1, 0.0], [1.2, 1.0, 0.0], 70.0));
+    let dark = lit_pixels(bench, &beside, &Settings { max_bounces: 1, ..plain_settings(&beside, 16, 16, 16) })?;
     let down = flush_ceiling(camera([0.0, 0.9, -1.5], [0.0; 3], 1e-3));
     let spp = bench.count(64, 1024) as u32;
     let lit = pixel_moments(bench, &down, &Settings { max_bounces: 1, ..plain_settings(&down, 32, 32, spp) })?;
     Ok(vec![
         Finding::at_most("largest error of a pixel of the light, seen from below", 0.0, seen, "exact"),
+        Finding::never("pixels of the black ceiling around it that are lit", dark, 256),
         Finding::mean("the floor under it, form factor 0.2394564705", 0.5 * 0.2394564705, &lit),
     ])
 }

@@ -7,7 +7,10 @@ use crate::interface::BLOCK_SAMPLES;
 use crate::render::Guard;
 use crate::scene::{Camera, Scene};
 use crate::selftest::bench::plain_settings;
+use crate::selftest::directions::Worst;
 use crate::selftest::pictures::{bits, compare_tiles, differing, pixel_moments, worst_error};
+use crate::selftest::random::Random;
+use crate::selftest::scattering::{Arguments, REFLECTIONS, call};
 use crate::selftest::scenes::{SceneBuilder, camera, glass, lambert, mirror};
 use crate::selftest::statistics::{Moments, fit_line};
 use crate::selftest::{Bench, Case, Check, Finding};
@@ -259,7 +262,8 @@ fn sphere_in_sphere(bench: &Bench) -> Result<Vec<Finding>> {
     Ok(findings)
 }
 
-/// Mirrors that emit 1 and reflect .9: no variance, so that a direction that drifts, or a ray that leaves, shows.
+/// Mirrors that emit 1 and reflect .9: no variance, so that a ray that leaves shows. Radiance does not show lengths: directions
+/// reflected a hundred times about any normals are looked at by themselves.
 fn mirror_box(bench: &Bench) -> Result<Vec<Finding>> {
     let mut builder = SceneBuilder::new();
     let mirrors = builder.material(mirror(0.9, 1.0));
@@ -273,6 +277,19 @@ fn mirror_box(bench: &Bench) -> Result<Vec<Finding>> {
         let why = "roundings of products, 2^-24 each, weighted by .9^k";
         findings.push(Finding::at_most(format!("largest error of a pixel, {max_bounces} bounces"), 2e-5, error, why));
     }
+    let mut random = Random::new(76, 0);
+    let questions: Vec<Arguments> = (0..bench.count(1 << 14, 1 << 18))
+        .map(|_| {
+            let d = random.direction();
+            [[d.x, d.y, d.z, 0.0], [100.0, 0.0, 0.0, 0.0], [0.0; 4]]
+        })
+        .collect();
+    let mut worst = Worst::default();
+    for [[.., length2], _] in call(bench, REFLECTIONS, &questions)? {
+        worst.add((f64::from(length2) - 1.0).abs());
+    }
+    let why = "a normalised vector: 6 roundings, whatever was before";
+    findings.push(Finding::at_most("| |d|^2 - 1 | of directions reflected 100 times", 1e-6, worst.0, why));
     Ok(findings)
 }
 
