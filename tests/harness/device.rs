@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use texray::gpu::{Context, ContextOptions};
-use texray::interface::BLOCK_SAMPLES;
-use texray::render::{Observer, Progress, Rendered, Renderer, Tuning};
+use texray::render::{Rendered, Renderer, Tuning};
 use texray::scene::Scene;
+#[allow(unused_imports)]
+pub use texray::selftest::bench::{Silent, plain_settings};
 use texray::selftest::probe::Probe;
-use texray::settings::{Lights, Roulette, Sampler, Settings};
+use texray::settings::Settings;
 use texray::texels::Texel;
 
 use super::tracer::Estimate;
@@ -38,17 +39,6 @@ pub fn run_probe(probe: &Probe) -> Vec<Texel> {
     answers
 }
 
-/// Watches nothing and never stops a render.
-pub struct Silent;
-
-impl Observer for Silent {
-    fn progress(&mut self, _progress: &Progress) {}
-
-    fn stop_requested(&self) -> bool {
-        false
-    }
-}
-
 /// Renders with sizes of the library's own choice.
 pub fn render(scene: &Scene, settings: &Settings) -> Rendered {
     render_tuned(scene, settings, &Tuning::default())
@@ -60,20 +50,6 @@ pub fn render_tuned(scene: &Scene, settings: &Settings, tuning: &Tuning) -> Rend
     let rendered = renderer.render(&mut Silent).expect("the render ends");
     assert_valid(context());
     rendered
-}
-
-/// Settings of a scene at a size and sample count, by box filter, independent samples, without roulette.
-pub fn plain_settings(scene: &Scene, width: u32, height: u32, spp: u32) -> Settings {
-    Settings {
-        width,
-        height,
-        spp,
-        filter: texray::scene::Filter::Box,
-        sampler: Sampler::Independent,
-        roulette: Roulette::Off,
-        lights: Lights::Mis,
-        ..Settings::for_scene(scene)
-    }
 }
 
 /// The picture's bits, for tests of equality.
@@ -92,11 +68,10 @@ pub fn assert_same(a: &[[u32; 3]], b: &[[u32; 3]], what: &str) {
     }
 }
 
-/// Mean and variance of the mean in scaled radiance, from one render of as many replicates as there are blocks, up to 64.
+/// Mean and variance of the mean in scaled radiance, from the replicates of one render.
 /// True for independent samples; replicates of a Sobol' sequence are independent too.
 pub fn estimate(scene: &Scene, settings: &Settings) -> Estimate {
-    let replicates = Some((settings.spp / BLOCK_SAMPLES).clamp(2, 64));
-    let rendered = render(scene, &Settings { replicates, ..settings.clone() });
+    let rendered = render(scene, settings);
     assert!(rendered.report.invalid_samples.values().all(|&count| count == 0), "samples were left out");
     let estimate = rendered.film.estimate();
     let scale = 2f64.powi(scene.scaling.radiance_exponent);

@@ -14,7 +14,7 @@ pub fn cases() -> String {
     for group in &GROUPS {
         let _ = writeln!(
             text,
-            "\n**{} {}**\n\n| case | what fails | what fails | checks | of these | expected | got |",
+            "\n**{} {}**\n\n| case | what fails | checks | of these | expected | got |",
             group.letter, group.name
         );
         text += "|---|---|---|---|---|---|\n";

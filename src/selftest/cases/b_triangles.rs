@@ -184,7 +184,11 @@ fn fused_edges(bench: &Bench) -> Result<Vec<Finding>> {
         findings.push(leaks(format!("rays that leave a closed mesh, {name}"), &mesh.trace(bench, &rays)?));
     }
     // A multiplication and a subtraction of each of three edge functions are among them.
-    for (name, spirv) in [("path tracer", shaders::PATH_TRACE), ("probe", shaders::PROBE_TRACE)] {
+    for (name, spirv) in [
+        ("path tracer", shaders::PATH_TRACE),
+        ("path tracer that keeps NaN", shaders::PATH_TRACE_KEEP_NAN),
+        ("probe", shaders::PROBE_TRACE),
+    ] {
         let count = uncontracted(spirv);
         let expected = "100 or more".to_owned();
         findings.push(Finding::holds(
