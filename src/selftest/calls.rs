@@ -1,6 +1,6 @@
-//! Calls of the renderer's own functions through probe kernels, where no scene matters.
+//! Calls of the renderer's own functions through probe kernels.
 //!
-//! Comes in: a kernel, a function's number, arguments. Goes out: its answers.
+//! Comes in: a kernel, a function's number, arguments, and a scene where one matters. Goes out: its answers.
 
 use super::Bench;
 use super::probe::Probe;
@@ -8,7 +8,7 @@ use super::scenes::{SceneBuilder, camera};
 use crate::Result;
 use crate::bvh::Accel;
 use crate::interface::{SAMPLER_INDEPENDENT, SAMPLER_SOBOL, SAMPLER_TABLE, SPEC_SAMPLER};
-use crate::scene::Filter;
+use crate::scene::{Filter, Scene};
 use crate::settings::{Buffers, Sampler, Settings};
 use crate::texels::{Texel, TexelData};
 
@@ -17,12 +17,19 @@ pub fn pixel(index: u32, side: u32) -> u32 {
     (index % side) | ((index / side) << 16)
 }
 
+/// A scene of nothing.
+pub fn nothing() -> Scene {
+    SceneBuilder::new().finish(camera([0.0; 3], [0.0, 0.0, 1.0], 40.0), Some([1.0; 3]))
+}
+
 /// A call of many: function `function` of the kernel `spirv`.
 pub struct Calls<'a> {
     /// The kernel.
     pub spirv: &'a [u32],
     /// Number of the function.
     pub function: u32,
+    /// The scene whose records are bound; none: one of nothing.
+    pub scene: Option<&'a Scene>,
     /// Random-number scheme.
     pub sampler: Sampler,
     /// Pixel filter whose table is bound.
@@ -45,6 +52,7 @@ impl<'a> Calls<'a> {
         Calls {
             spirv,
             function,
+            scene: None,
             sampler: Sampler::Independent,
             filter: Filter::Box,
             first_sample: 0,
@@ -57,10 +65,11 @@ impl<'a> Calls<'a> {
 
     /// Makes the calls.
     pub fn run(&self, bench: &Bench) -> Result<Vec<Texel>> {
-        let scene = SceneBuilder::new().finish(camera([0.0; 3], [0.0, 0.0, 1.0], 40.0), Some([1.0; 3]));
+        let empty = nothing();
+        let scene = self.scene.unwrap_or(&empty);
         let accel = Accel::brute();
-        let settings = Settings { sampler: self.sampler, filter: self.filter, ..Settings::for_scene(&scene) };
-        let data = TexelData::pack(&scene, &accel, &settings)?;
+        let settings = Settings { sampler: self.sampler, filter: self.filter, ..Settings::for_scene(scene) };
+        let data = TexelData::pack(scene, &accel, &settings)?;
         let sampler = match self.sampler {
             Sampler::Sobol => SAMPLER_SOBOL,
             Sampler::Independent => SAMPLER_INDEPENDENT,

@@ -4,14 +4,12 @@
 
 use super::Bench;
 use super::bench::plain_settings;
-use super::probe::Probe;
-use super::scenes::{SceneBuilder, camera};
+use super::calls::{Calls, nothing};
 use crate::Result;
-use crate::bvh::Accel;
 use crate::gpu::shaders;
 use crate::scene::Scene;
-use crate::settings::{Buffers, Sampler, Settings};
-use crate::texels::{Texel, TexelData};
+use crate::settings::{Sampler, Settings};
+use crate::texels::Texel;
 
 // Functions of glsl/probe_sampling.comp.
 /// `cosine_hemisphere`.
@@ -56,39 +54,9 @@ pub const WEIGHTS: usize = 64;
 /// Three texels of arguments to a function of `probe_scattering`.
 pub type Arguments = [[f32; 4]; 3];
 
-/// A scene of nothing.
-pub fn nothing() -> Scene {
-    SceneBuilder::new().finish(camera([0.0; 3], [0.0, 0.0, 1.0], 40.0), Some([1.0; 3]))
-}
-
-fn run(
-    bench: &Bench,
-    scene: &Scene,
-    spirv: &[u32],
-    function: u32,
-    input: &[Texel],
-    [arguments, answers]: [u32; 2],
-) -> Result<Vec<Texel>> {
-    let accel = Accel::brute();
-    let data = TexelData::pack(scene, &accel, &Settings::for_scene(scene))?;
-    bench.probe(Probe {
-        spirv,
-        data: &data,
-        accel: &accel,
-        buffers: Buffers::Texel,
-        specialization: Vec::new(),
-        function,
-        first_sample: 0,
-        calls: input.len() as u32 / arguments,
-        input,
-        output_texels: answers,
-        without_guard: None,
-    })
-}
-
 /// Calls a function of `probe_sampling` on words, over the records of a scene.
 pub fn call_words(bench: &Bench, scene: &Scene, function: u32, input: &[Texel]) -> Result<Vec<Texel>> {
-    run(bench, scene, shaders::PROBE_SAMPLING, function, input, [1, 1])
+    Calls { scene: Some(scene), ..Calls::new(shaders::PROBE_SAMPLING, function, input) }.run(bench)
 }
 
 /// Calls a function of `probe_sampling` on floats.
@@ -101,7 +69,13 @@ pub fn call_sampling(bench: &Bench, function: u32, input: &[[f32; 4]]) -> Result
 /// Calls a function of `probe_scattering` over the records of a scene.
 pub fn call_in(bench: &Bench, scene: &Scene, function: u32, input: &[Arguments]) -> Result<Vec<[[f32; 4]; 2]>> {
     let input: Vec<Texel> = input.iter().flatten().map(|texel| texel.map(f32::to_bits)).collect();
-    let answers = run(bench, scene, shaders::PROBE_SCATTERING, function, &input, [3, 2])?;
+    let calls = Calls {
+        scene: Some(scene),
+        calls: input.len() as u32 / 3,
+        output_texels: 2,
+        ..Calls::new(shaders::PROBE_SCATTERING, function, &input)
+    };
+    let answers = calls.run(bench)?;
     Ok(answers.as_chunks::<2>().0.iter().map(|answer| answer.map(|texel| texel.map(f32::from_bits))).collect())
 }
 

@@ -1,31 +1,31 @@
 //! Calls of the sampling probe (`glsl/probe_sampling.comp`): the renderer's own random numbers and warps, one texel a call.
 
-use texray::bvh::Accel;
 use texray::gpu::shaders;
-use texray::interface::{BLOCK_SAMPLES, SAMPLER_INDEPENDENT, SAMPLER_SOBOL, SAMPLER_TABLE, SPEC_SAMPLER};
+use texray::interface::BLOCK_SAMPLES;
 use texray::scene::{Filter, Scene};
-use texray::settings::{Buffers, LightPick, Sampler, Settings};
-use texray::texels::{Texel, TexelData};
+use texray::selftest::calls::Calls;
+#[allow(unused_imports)]
+pub use texray::selftest::calls::nothing;
+#[allow(unused_imports)]
+pub use texray::selftest::draws::unit;
+#[allow(unused_imports)]
+pub use texray::selftest::scattering::{COSINE_HEMISPHERE, FRESNEL, MAKE_BASIS, POWER_HEURISTIC, UNIFORM_HEMISPHERE};
+use texray::selftest::{Bench, Tier};
+use texray::settings::Sampler;
+use texray::texels::Texel;
 
-use super::device::run_probe;
+use super::device::{assert_valid, context};
 use super::distributions::normal_two_sided;
-use super::probe::Probe;
-use super::scenes::{SceneBuilder, camera};
 use super::statistics::{Verdict, chi_square_test};
 
-/// Functions of the probe.
+/// Functions of the probe that no hard case calls.
 pub const RANDOM_PAIR: u32 = 0;
 pub const UNIT_FLOAT: u32 = 1;
-pub const COSINE_HEMISPHERE: u32 = 2;
-pub const UNIFORM_HEMISPHERE: u32 = 3;
 pub const SQUARE_TO_TRIANGLE: u32 = 4;
 pub const FILTER_OFFSET: u32 = 5;
-pub const FRESNEL: u32 = 6;
-pub const MAKE_BASIS: u32 = 7;
-pub const POWER_HEURISTIC: u32 = 8;
 pub const PICK_LIGHT: u32 = 9;
 
-/// Replicates of the probe's draws, as `harness/probe.rs` sets them.
+/// Replicates of the probe's draws, as `selftest/probe.rs` sets them.
 pub const REPLICATES: u32 = 4;
 
 /// Calls a function over the records of `scene`.
@@ -41,33 +41,16 @@ fn call_in_run(
     first_sample: u32,
     input: &[Texel],
 ) -> Vec<Texel> {
-    let accel = Accel::brute();
-    let settings = Settings { sampler, filter, light_pick: LightPick::Power, ..Settings::for_scene(scene) };
-    let data = TexelData::pack(scene, &accel, &settings).expect("the scene can be packed");
-    let value = match sampler {
-        Sampler::Sobol => SAMPLER_SOBOL,
-        Sampler::Independent => SAMPLER_INDEPENDENT,
-        Sampler::Table => SAMPLER_TABLE,
-    };
-    let probe = Probe {
-        spirv: shaders::PROBE_SAMPLING,
-        data: &data,
-        accel: &accel,
-        buffers: Buffers::Texel,
-        specialization: vec![(SPEC_SAMPLER, value)],
-        function,
+    let calls = Calls {
+        scene: Some(scene),
+        sampler,
+        filter,
         first_sample,
-        calls: input.len() as u32,
-        input,
-        output_texels: 1,
-        without_guard: None,
+        ..Calls::new(shaders::PROBE_SAMPLING, function, input)
     };
-    run_probe(&probe)
-}
-
-/// A scene of nothing.
-pub fn nothing() -> Scene {
-    SceneBuilder::new().finish(camera([0.0; 3], [0.0, 0.0, 1.0], 40.0), Some([1.0; 3]))
+    let answers = calls.run(&Bench::new(context(), Tier::Full)).expect("the probe runs");
+    assert_valid(context());
+    answers
 }
 
 /// Calls a function of floats.
@@ -90,11 +73,6 @@ pub fn pairs(
     let first = replicate * BLOCK_SAMPLES;
     let answers = call_in_run(&nothing(), sampler, Filter::Box, RANDOM_PAIR, first, &input);
     answers.into_iter().map(|[a, b, _, _]| [a, b]).collect()
-}
-
-/// The number that a word stands for.
-pub fn unit(word: u32) -> f64 {
-    f64::from(word >> 8) / f64::from(1 << 24)
 }
 
 /// Correlation of pairs of numbers uniform in [0, 1), as a z: r √n is standard normal where they are independent.
