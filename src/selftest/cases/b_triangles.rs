@@ -10,6 +10,7 @@ use crate::render::Guard;
 use crate::scene::normalise::has_area;
 use crate::scene::{Scene, Triangle};
 use crate::selftest::bench::plain_settings;
+use crate::selftest::directions::Worst;
 use crate::selftest::meshes::{self, displaced_sphere};
 use crate::selftest::pictures::{lit_pixels, pixel_moments, worst_error};
 use crate::selftest::random::Random;
@@ -291,10 +292,11 @@ fn slivers(bench: &Bench) -> Result<Vec<Finding>> {
         }
         _ => 0.0,
     };
-    let worst = rays.iter().zip(&answers).map(error).fold(0.0, f64::max);
+    let mut worst = Worst::default();
+    rays.iter().zip(&answers).map(error).for_each(|error| worst.add(error));
     let mut findings = vec![
         leaks("rays that leave a closed cube of slivers, 1e6 to 1", &answers),
-        Finding::at_most("largest relative error of their distances", PLANE_ERROR, worst, PLANE_ERROR_WHY),
+        Finding::at_most("largest relative error of their distances", PLANE_ERROR, worst.0, PLANE_ERROR_WHY),
     ];
     findings.push(beyond_the_tip(bench)?);
     Ok(findings)

@@ -271,7 +271,7 @@ fn heuristic(bench: &Bench) -> Result<Vec<Finding>> {
     let (mut outside, mut sums) = (0, Worst::default());
     for ([a, b, ..], [mine, other, ..]) in pairs.iter().zip(call_sampling(bench, POWER_HEURISTIC, &pairs)?) {
         let in_range = (0.0..=1.0).contains(&mine) && (0.0..=1.0).contains(&other);
-        outside += u64::from(!in_range || (a < b && mine > other) || (*a == 0.0 && mine != 0.0));
+        outside += u64::from(!in_range || (a < b && mine >= other) || (*a == 0.0 && mine != 0.0));
         // What neither strategy draws has no weight.
         let expected = if *a == 0.0 && *b == 0.0 { 0.0 } else { 1.0 };
         sums.add((f64::from(mine) + f64::from(other) - expected).abs());
