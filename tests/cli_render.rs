@@ -249,7 +249,17 @@ fn explain_gives_reasons() {
 #[cfg(unix)]
 fn interrupted(folder: &Path, signals: &[&str]) -> (Option<i32>, String, Duration) {
     let arguments = ["render", "room.toml", "--spp", "4294967295", "--json", "-o", "a.exr"];
-    let mut child = command(folder, &arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // Started in the background of a script, the tests ignore SIGINT, and so would texray, which keeps what it is started with.
+    // GNU's `env` sets signals back before it becomes the program.
+    let mut started = match cfg!(target_os = "linux") {
+        true => Command::new("env"),
+        false => command(folder, &[]),
+    };
+    if cfg!(target_os = "linux") {
+        started.args(["--default-signal=INT,TERM,HUP", env!("CARGO_BIN_EXE_texray")]);
+    }
+    let mut child =
+        started.current_dir(folder).args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut stderr = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
     stderr.read_line(&mut line).unwrap();

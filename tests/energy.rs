@@ -130,28 +130,6 @@ fn glass_in_a_furnace_shows_one_outside_and_n_squared_inside() {
     }
 }
 
-/// T = (1 - R) / (1 + R) for a slab of glass, black above, 1 below (hard-cases, case 52).
-#[test]
-fn a_glass_slab_transmits_what_fresnel_says() {
-    for (ior, degrees, transmitted) in [
-        (1.5, 0.0f64, 0.9230769),
-        (1.5, 45.0, 0.9043268),
-        (1.5, 60.0, 0.8362325),
-        (1.5, 85.0, 0.2400796),
-        (2.4, 0.0, 0.7100592),
-    ] {
-        let mut builder = SceneBuilder::new();
-        let (slab, light) = (builder.material(glass(ior)), builder.material(lambert(0.0, 1.0)));
-        builder.cuboid([-400.0, -0.5, -400.0], [400.0, 0.5, 400.0], slab, false);
-        builder.quad([-400.0, -1.0, -400.0], [0.0, 0.0, 800.0], [800.0, 0.0, 0.0], light);
-        let (sin, cos) = degrees.to_radians().sin_cos();
-        let origin = [-3.0 * sin, 0.5 + 3.0 * cos, 0.01];
-        let scene = builder.finish(camera(origin, [0.0, 0.5, 0.01], 1e-3), None);
-        let settings = Settings { max_bounces: 32, ..plain_settings(&scene, 32, 32, 512) };
-        assert_mean(&scene, &settings, transmitted, &format!("slab of {ior} at {degrees} degrees"));
-    }
-}
-
 /// Irradiance under a square light, by the form factor (hard-cases, case 41): L = albedo * F * Le.
 #[test]
 fn form_factors_are_lamberts() {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use glam::Vec3;
 
 use crate::Result;
-use crate::bvh::{Accel, BinaryBvh, Builder, Ray, WideBvh};
+use crate::bvh::{Accel, Builder, Ray, WideBvh};
 use crate::interface::{MAX_TREE_DEPTH, NO_INDEX, TRIANGLE_TEXELS};
 use crate::scene::Triangle;
 use crate::selftest::bench::plain_settings;
@@ -250,10 +250,7 @@ fn invalid_rays(bench: &Bench) -> Result<Vec<Finding>> {
         })
         .collect();
     let mut findings = Vec::new();
-    for (tree, accel) in [
-        ("wide", Accel::from(WideBvh::build(&triangles, Builder::Sah))),
-        ("binary", BinaryBvh::build(&triangles, Builder::Sah).into()),
-    ] {
+    for (tree, accel) in trees(&triangles) {
         let answers = Mesh::new(&triangles, accel, |_| false)?.trace(bench, &rays)?;
         let hits = answers.iter().filter(|answer| answer.hit.is_some()).count() as u64;
         findings.push(Finding::never(
