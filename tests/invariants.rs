@@ -11,157 +11,23 @@
 
 mod harness;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use harness::device::{bits, render, render_tuned};
 use harness::random::Random;
-use harness::scenes::{SceneBuilder, camera, glass, lambert, mirror};
+use harness::scenes::lambert;
+use harness::sketch::{ALL, Sketch, TILE, sketches};
 use harness::statistics::z_test;
-use proptest::collection::vec;
-use proptest::prelude::{Strategy, any};
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use texray::bvh::Builder;
-use texray::interface::{BLOCK_SAMPLES, NO_INDEX};
+use texray::interface::NO_INDEX;
 use texray::render::Tuning;
-use texray::scene::{Filter, Scene, Triangle};
-use texray::settings::{AccelKind, Buffers, Hemisphere, LightPick, Lights, Roulette, Sampler, Settings};
+use texray::scene::{Scene, Triangle};
+use texray::settings::{AccelKind, Buffers, Hemisphere, LightPick, Lights, Roulette, Settings};
 
 /// Scenes that each property is shown on.
 const CASES: u32 = 8;
 /// More statistical verdicts than this file gives.
 const TESTS: usize = 4000;
-/// Side of the tiles that are compared, in pixels.
-const TILE: u32 = 8;
-
-/// Something in the scene, its numbers in units of 2^-10.
-#[derive(Clone, Debug)]
-struct Object {
-    /// 0: triangle, 1: box, 2: ball of flat triangles, 3: ball with vertex normals.
-    shape: u8,
-    centre: [i16; 3],
-    size: [i16; 3],
-    /// 0 and 1: Lambert, 2: mirror, 3: glass, 4: a light.
-    material: u8,
-}
-
-/// All that a random scene is made of.
-#[derive(Clone, Debug)]
-struct Sketch {
-    objects: Vec<Object>,
-    /// Walls around; otherwise a sky.
-    room: bool,
-    /// Half the width of the lamp below the ceiling, in units of 2^-10.
-    lamp: i16,
-    target: [i16; 3],
-    filter: bool,
-    seed: u64,
-}
-
-fn sketches() -> impl Strategy<Value = Sketch> {
-    let place = || [-700i16..700, -700i16..700, -300i16..700];
-    let object = (0u8..4, place(), [60i16..300, 60i16..300, 60i16..300], 0u8..5)
-        .prop_map(|(shape, centre, size, material)| Object { shape, centre, size, material });
-    (
-        vec(object, 0..6),
-        any::<bool>(),
-        150i16..700,
-        [-200i16..200, -200i16..200, 0i16..200],
-        any::<bool>(),
-        0u64..1 << 40,
-    )
-        .prop_map(|(objects, room, lamp, target, filter, seed)| Sketch {
-            objects,
-            room,
-            lamp,
-            target,
-            filter,
-            seed,
-        })
-}
-
-/// Radiance of lamp, luminous objects and sky.
-type Light = [f32; 3];
-const ALL: Light = [1.5, 0.75, 0.5];
-
-impl Sketch {
-    fn scene(&self) -> Scene {
-        self.lit(ALL)
-    }
-
-    /// The scene under other light.
-    fn lit(&self, [lamp, glow, sky]: Light) -> Scene {
-        self.builder([lamp, glow]).finish(self.camera(), if self.room { None } else { Some([sky; 3]) })
-    }
-
-    fn camera(&self) -> texray::scene::Camera {
-        camera([0.05, 0.1, -1.05], self.target.map(units), 60.0)
-    }
-
-    fn builder(&self, [lamp, glow]: [f32; 2]) -> SceneBuilder {
-        let mut builder = SceneBuilder::new();
-        let kinds = [
-            lambert(0.7, 0.0),
-            lambert(0.3, 0.0),
-            mirror(0.8, 0.0),
-            glass(1.5),
-            lambert(0.4, glow),
-            lambert(0.2, lamp),
-        ];
-        let materials = kinds.map(|kind| builder.material(kind));
-        if self.room {
-            builder.cuboid([-1.125, -1.125, -1.25], [1.125; 3], materials[0], true);
-        }
-        let half = units(self.lamp);
-        builder.quad([-half, 1.0, -half], [2.0 * half, 0.0, 0.0], [0.0, 0.0, 2.0 * half], materials[5]);
-        for object in &self.objects {
-            let (centre, size) = (object.centre.map(units), object.size.map(units));
-            let material = materials[usize::from(object.material)];
-            match object.shape {
-                0 => {
-                    let [x, y, z] = size;
-                    let at = DVec3::from_array(centre);
-                    let corners = [DVec3::new(-x, 0.0, z), DVec3::new(x, y, 0.0), DVec3::new(0.0, -y, -z)];
-                    builder.triangle(corners.map(|corner| at + corner), material);
-                }
-                1 => {
-                    let far = [0, 1, 2].map(|axis| centre[axis] + size[axis]);
-                    builder.cuboid(centre, far, material, false);
-                }
-                shape => builder.sphere(centre, size[0], 1, material, shape == 3),
-            }
-        }
-        builder
-    }
-
-    /// Settings that take no part of the renderer's choices away.
-    fn settings(&self, scene: &Scene) -> Settings {
-        Settings {
-            width: 21,
-            height: 17,
-            spp: 3,
-            max_bounces: 4,
-            seed: self.seed,
-            filter: if self.filter { Filter::BlackmanHarris } else { Filter::Box },
-            ..Settings::for_scene(scene)
-        }
-    }
-
-    /// Settings for tiles: independent samples, a block for each of four replicates.
-    fn many(&self, scene: &Scene, seed: u64) -> Settings {
-        Settings {
-            width: 3 * TILE,
-            height: 2 * TILE,
-            spp: 4 * BLOCK_SAMPLES,
-            replicates: Some(4),
-            seed: self.seed ^ seed,
-            sampler: Sampler::Independent,
-            ..self.settings(scene)
-        }
-    }
-}
-
-fn units(number: i16) -> f64 {
-    f64::from(number) / 1024.0
-}
 
 type Verdict = Result<(), String>;
 

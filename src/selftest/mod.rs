@@ -24,6 +24,7 @@ pub mod pictures;
 pub mod probe;
 pub mod random;
 pub mod rays;
+pub mod roulette;
 pub mod scattering;
 pub mod scenes;
 pub mod shadow_rays;

@@ -8,6 +8,7 @@ pub mod device;
 pub mod draws;
 pub mod golden;
 pub mod obj;
+pub mod sketch;
 pub mod tracer;
 
 #[allow(unused_imports)]
