@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::probe::Probe;
 use super::scenes::{camera, lambert};
@@ -67,7 +67,7 @@ impl Mesh {
             corners: Vec::new(),
             materials: vec![lambert(0.5, 0.0), lambert(0.0, 1.0)],
             sky: None,
-            scaling: Scaling { centre: DVec3::ZERO, length_exponent: 0, radiance_exponent: 0 },
+            scaling: Scaling::NONE,
             report: LoadReport::default(),
         };
         let data = TexelData::pack(&scene, &accel, &Settings::for_scene(&scene))?;
