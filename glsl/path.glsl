@@ -82,6 +82,10 @@ float emission_weight(Path path, Interaction it, float cosine) {
     return power_heuristic(path.pdf, light_pdf(it.pdf_area, distance2, cosine));
 }
 
+// Survival probability per throughput: a path is at stake once its throughput is below a fifth. Of 1 to 8, 3 to 5 gave the
+// least error a ray (docs/performance.md); the larger one makes fewer fireflies.
+const float ROULETTE_GAIN = 5.0;
+
 // Russian roulette on the path's next ray: true where it survives, its throughput raised accordingly. The throughput is
 // judged without the scaling that refraction brings (it is undone when the path leaves the glass).
 bool survives(inout Path path, uint word) {
@@ -89,8 +93,7 @@ bool survives(inout Path path, uint word) {
     if (ROULETTE == ROULETTE_THROUGHPUT) {
         float scale = guarded(GUARD_ROULETTE_SCALE) ? path.eta_scale : 1.0;
         precise float largest = greater(greater(path.throughput.r, path.throughput.g), path.throughput.b) * scale;
-        float chance = guarded(GUARD_ROULETTE_RANGE) ? lesser(greater(largest, 0.05), 0.95) : largest;
-        q = path.bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : chance;
+        q = guarded(GUARD_ROULETTE_RANGE) ? lesser(greater(ROULETTE_GAIN * largest, 0.05), 1.0) : ROULETTE_GAIN * largest;
     } else if (ROULETTE == ROULETTE_FIXED) {
         q = push.roulette_p;
     } else {
@@ -135,19 +138,16 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
     path.bounce++;
     uvec2 direction = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_DIRECTION));
     uvec2 choices = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_CHOICES));
-    uint lobe = 0u;
-    if (HAS_GLASS != 0u) {
-        lobe = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_LOBE)).x;
-    }
 
-    BsdfSample sampled = sample_bsdf(it, wo, direction, lobe);
+    BsdfSample sampled = sample_bsdf(it, wo, direction, choices.x);
     departure.o = spawn_origin(it, sampled.transmitted ? -it.ng : it.ng);
     departure.triangle = hit.triangle;
     bool lambert = it.material.kind == MATERIAL_LAMBERT;
     if (HAS_EMITTERS != 0u && LIGHTS != LIGHTS_BSDF && lambert && push.light_count > 0u) {
         uvec2 point = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_LIGHT_POINT));
-        Light light = fetch_light(pick_light(choices.x, tally.steps));
-        LightSample arriving = sample_light(it, departure.o, light, unit_float2(point));
+        Light light = fetch_light(pick_light(point.x, tally.steps));
+        vec2 place = vec2(place_in_share(light, point.x), unit_float(point.y));
+        LightSample arriving = sample_light(it, departure.o, light, place);
         precise vec3 pending = path.throughput * arriving.radiance;
         path.pending = pending;
         note_cause(path, is_invalid(pending, MAX_SAMPLE_RADIANCE_BITS), CAUSE_LIGHT);

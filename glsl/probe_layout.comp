@@ -65,8 +65,9 @@ void main() {
         fields[0] = uvec4(bits(light.v0), light.cdf_end);
         fields[1] = uvec4(bits(light.v1), light.triangle);
         fields[2] = uvec4(bits(light.v2), floatBitsToUint(light.pdf_area));
-        fields[3] = uvec4(bits(light.ng), fetch_light_cdf_end(index));
-        fields[4] = uvec4(bits(light.emission), 0u);
+        fields[3] = uvec4(bits(light.ng), light.cdf_begin);
+        fields[4] = uvec4(bits(light.emission), floatBitsToUint(light.cdf_scale));
+        fields[5] = uvec4(fetch_light_cdf_end(index), 0u, 0u, 0u);
     } else if (push.flags == BINDING_CAMERA) {
         Camera camera = fetch_camera();
         fields[0] = uvec4(bits(camera.origin), camera.filter_kind);

@@ -27,9 +27,9 @@ pub const CORNERS_TEXELS: u32 = 4;
 /// Material: `[reflectance.rgb, kind]`, `[emission.rgb, ior]`.
 pub const MATERIAL_TEXELS: u32 = 2;
 /// Light (one emissive triangle), all that a light sample needs in one place: `[v0.xyz, cdf_end]`, `[v1.xyz, triangle]`,
-/// `[v2.xyz, pdf_area]`, `[ng.xyz, 0]`, `[emission.rgb, 0]`. `cdf_end` is the inclusive upper end of its share of the
-/// 32-bit random numbers, `triangle` its leaf-order index, `pdf_area` the density per unit area (scaled units) with which
-/// a point on it is chosen.
+/// `[v2.xyz, pdf_area]`, `[ng.xyz, cdf_begin]`, `[emission.rgb, cdf_scale]`. `cdf_begin` and `cdf_end` are the first and the
+/// last 32-bit random number of its share, `cdf_scale` one over how many there are; `triangle` is its leaf-order index,
+/// `pdf_area` the density per unit area (scaled units) with which a point on it is chosen.
 pub const LIGHT_TEXELS: u32 = 5;
 /// Camera: `[origin.xyz, filter_kind]`, `[forward.xyz, width]`, `[right.xyz, height]`, `[down.xyz, 0]`. A camera ray
 /// through the film point (x, y), in pixels from the upper left corner, has the direction
@@ -242,12 +242,10 @@ pub const HEMISPHERE_UNIFORM: u32 = 1;
 
 /// No Russian roulette.
 pub const ROULETTE_OFF: u32 = 0;
-/// A path survives with the probability of its largest throughput.
+/// A path whose throughput is small survives with a probability in proportion to it.
 pub const ROULETTE_THROUGHPUT: u32 = 1;
 /// A path survives with a fixed probability.
 pub const ROULETTE_FIXED: u32 = 2;
-/// The bounce (from 1) after which roulette by throughput begins.
-pub const ROULETTE_FIRST_BOUNCE: u32 = 3;
 
 /// Samples of a block.
 pub const BLOCK_SAMPLES: u32 = 16;
@@ -308,7 +306,7 @@ guards! {
     UnitFloat, GUARD_UNIT_FLOAT = 14, case 61: "Random floats have 24 bits, so that none is 1";
     HashShift, GUARD_HASH_SHIFT = 15, case 62: "The low bits of the hash depend on all of its input";
     BounceDimensions, GUARD_BOUNCE_DIMENSIONS = 16, case 64: "Each bounce draws dimensions of its own";
-    RouletteRange, GUARD_ROULETTE_RANGE = 17, case 65: "Survival has a probability within [0.05, 0.95]";
+    RouletteRange, GUARD_ROULETTE_RANGE = 17, case 65: "Survival has a probability within [0.05, 1]";
     RouletteWeight, GUARD_ROULETTE_WEIGHT = 18, case 65: "A survivor is worth more by as much as survival was unlikely";
     RouletteScale, GUARD_ROULETTE_SCALE = 19, case 65: "Roulette judges the throughput without refraction's scaling";
     CompensatedSum, GUARD_COMPENSATED_SUM = 20, case 58: "A sum carries what rounding took from it";
@@ -406,7 +404,7 @@ pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
     ("LIGHTS_MIS", LIGHTS_MIS), ("LIGHTS_AREA", LIGHTS_AREA), ("LIGHTS_BSDF", LIGHTS_BSDF),
     ("HEMISPHERE_COSINE", HEMISPHERE_COSINE), ("HEMISPHERE_UNIFORM", HEMISPHERE_UNIFORM),
     ("ROULETTE_OFF", ROULETTE_OFF), ("ROULETTE_THROUGHPUT", ROULETTE_THROUGHPUT), ("ROULETTE_FIXED", ROULETTE_FIXED),
-    ("ROULETTE_FIRST_BOUNCE", ROULETTE_FIRST_BOUNCE), ("BLOCK_SAMPLES", BLOCK_SAMPLES),
+    ("BLOCK_SAMPLES", BLOCK_SAMPLES),
     ("DISPATCH_BEGINS_RUN", DISPATCH_BEGINS_RUN), ("MAX_SAMPLE_RADIANCE_BITS", MAX_SAMPLE_RADIANCE_BITS),
     ("SPEC_WITHOUT_GUARD", SPEC_WITHOUT_GUARD), ("GUARD_NONE", GUARD_NONE),
 ];

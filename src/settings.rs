@@ -143,7 +143,7 @@ pub enum Hemisphere {
 /// Russian roulette.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Roulette {
-    /// Survive with the probability of the largest throughput, kept within [0.05, 0.95].
+    /// Survive with five times the largest throughput for probability, kept within [0.05, 1].
     #[default]
     Throughput,
     /// None.

@@ -117,7 +117,8 @@ fn a_mirror_box_sums_its_geometric_series() {
 }
 
 /// Radiance over squared index is what stays constant along a ray: a glass body in a white furnace is invisible from outside
-/// and shows n^2 from inside. Paths that the bounce cap cuts are lost: 64 bounces leave less than 1e-6.
+/// and shows n^2 from inside. Paths that the bounce cap cuts are lost. Facets keep some that enter at a grazing angle going
+/// around by total reflection: of 2 million paths 64 bounces lose 6e-5, 256 lose 1e-5, and 1,024 none.
 #[test]
 fn glass_in_a_furnace_shows_one_outside_and_n_squared_inside() {
     for (origin, target, expected) in [([0.0, 0.0, -4.0], [0.0; 3], 1.0), ([0.1, 0.05, 0.0], [1.0, 0.3, 0.2], 2.25)] {
@@ -125,7 +126,7 @@ fn glass_in_a_furnace_shows_one_outside_and_n_squared_inside() {
         let body = builder.material(glass(1.5));
         builder.sphere([0.0; 3], 1.0, 4, body, false);
         let scene = builder.finish(camera(origin, target, 20.0), Some([1.0; 3]));
-        let settings = Settings { max_bounces: 64, ..plain_settings(&scene, 16, 16, 16) };
+        let settings = Settings { max_bounces: 4096, ..plain_settings(&scene, 16, 16, 16) };
         assert_every_pixel(&scene, &settings, expected, 1e-4, "glass sphere in a furnace");
     }
 }

@@ -187,6 +187,7 @@ fn lights_the_camera_and_the_filter() {
         .collect();
     let packed = data.lights.as_chunks::<5>().0;
     assert_eq!(packed.len(), emitters.len());
+    let mut begin = 0u32;
     let lights: Vec<_> = emitters
         .iter()
         .zip(packed)
@@ -196,7 +197,10 @@ fn lights_the_camera_and_the_filter() {
             let normal = triangle::geometric_normal(triangle).as_vec3().to_array();
             let emission = scene.materials[triangle.material as usize].emission;
             let (end, density) = (packed[0][3], packed[2][3]);
-            padded(&[word(v0, end), word(v1, id), word(v2, density), word(normal, end), word(emission, 0)])
+            let scale = (1.0 / (u64::from(end) - u64::from(begin) + 1) as f32).to_bits();
+            let lit = [word(normal, begin), word(emission, scale)];
+            begin = end.wrapping_add(1);
+            padded(&[word(v0, end), word(v1, id), word(v2, density), lit[0], lit[1], [end, 0, 0, 0]])
         })
         .collect();
     check(&scene, &accel, BINDING_LIGHTS, &lights, "light");

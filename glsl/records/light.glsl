@@ -6,7 +6,9 @@
 
 struct Light {
     vec3 v0, v1, v2; // Corner positions of its triangle.
-    uint cdf_end;    // Inclusive upper end of its share of the 32-bit random numbers.
+    uint cdf_begin;  // First of the 32-bit random numbers that choose it,
+    uint cdf_end;    // the last one,
+    float cdf_scale; // and one over how many there are.
     uint triangle;   // Its triangle, in leaf order.
     float pdf_area;  // Probability of the light times density per unit area of a point on it.
     vec3 ng;         // Unit geometric normal; it emits on this side.
@@ -17,10 +19,10 @@ Light fetch_light(uint index) {
     uvec4 t0 = lights_texel(index * LIGHT_TEXELS);
     uvec4 t1 = lights_texel(index * LIGHT_TEXELS + 1u);
     uvec4 t2 = lights_texel(index * LIGHT_TEXELS + 2u);
-    vec4 t3 = uintBitsToFloat(lights_texel(index * LIGHT_TEXELS + 3u));
+    uvec4 t3 = lights_texel(index * LIGHT_TEXELS + 3u);
     vec4 t4 = uintBitsToFloat(lights_texel(index * LIGHT_TEXELS + 4u));
-    return Light(uintBitsToFloat(t0.xyz), uintBitsToFloat(t1.xyz), uintBitsToFloat(t2.xyz), t0.w, t1.w,
-                 uintBitsToFloat(t2.w), t3.xyz, t4.rgb);
+    return Light(uintBitsToFloat(t0.xyz), uintBitsToFloat(t1.xyz), uintBitsToFloat(t2.xyz), t3.w, t0.w,
+                 t4.w, t1.w, uintBitsToFloat(t2.w), uintBitsToFloat(t3.xyz), t4.rgb);
 }
 
 // `cdf_end` of a light alone, for the search.

@@ -12,9 +12,8 @@
 const uint PAIR_FILM = 0u;       // camera: place in the pixel
 const uint PAIR_LENS = 1u;       // camera: place on the lens
 const uint PAIR_DIRECTION = 0u;  // bounce: BSDF direction
-const uint PAIR_LIGHT_POINT = 1u; // bounce: point on the light
-const uint PAIR_CHOICES = 2u;    // bounce: which light; roulette
-const uint PAIR_LOBE = 3u;       // bounce: which lobe; free
+const uint PAIR_LIGHT_POINT = 1u; // bounce: which light, and the point on it
+const uint PAIR_CHOICES = 2u;    // bounce: which lobe; roulette
 
 // Number of a pair of the camera (`stage` 0) or of bounce `stage` - 1.
 uint pair_number(uint stage, uint purpose) {

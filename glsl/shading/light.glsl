@@ -28,6 +28,13 @@ float power_heuristic(float a, float b) {
     return weight;
 }
 
+// The place within the light's share of the random numbers of the one that chose it, in [0, 1). One number serves for the
+// choice and for the point, so that the points of one pixel are spread over all lights together, as over one.
+float place_in_share(Light light, uint word) {
+    precise float place = float(word - light.cdf_begin) * light.cdf_scale;
+    return guarded(GUARD_UNIT_FLOAT) ? lesser(place, 0.999999940395355) : place;
+}
+
 // Density per solid angle of a point on a light seen at squared distance `distance2` under the cosine `cosine`.
 float light_pdf(float pdf_area, float distance2, float cosine) {
     precise float pdf = pdf_area * distance2 / cosine;

@@ -20,8 +20,9 @@ use crate::{Error, Result};
 
 pub use estimate::{DENOMINATOR_FLOOR, Estimate};
 
-/// Pixels of a picture up to which it has four replicates; larger ones have two, to halve the film's memory.
-pub const FOUR_REPLICATES_PIXELS: u64 = 1 << 22;
+/// Pixels of a picture up to which it has four replicates; larger ones have two: their many pixels make up for the few
+/// replicates in the error of the picture, and each replicate's samples are spread more evenly the more there are of them.
+pub const FOUR_REPLICATES_PIXELS: u64 = 1 << 14;
 /// Most replicates a film may have.
 pub const MAX_REPLICATES: u32 = 256;
 

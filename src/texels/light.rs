@@ -60,6 +60,7 @@ pub fn build_lights(scene: &Scene, order: &[u32], pick: LightPick) -> Result<Lig
     let mut begin = 0u64;
     for (&(id, position, area, _), &end) in lights.iter().zip(&ends) {
         let probability = (end - begin) as f64 / 4_294_967_296.0;
+        let share = [begin as u32, (1.0 / (end - begin) as f32).to_bits()];
         begin = end;
         let triangle = &scene.triangles[id as usize];
         let pdf_area = (probability / area) as f32;
@@ -69,8 +70,8 @@ pub fn build_lights(scene: &Scene, order: &[u32], pick: LightPick) -> Result<Lig
             with_word(v0, (end - 1) as u32),
             with_word(v1, position),
             with_word(v2, pdf_area.to_bits()),
-            with_word(geometric_normal(triangle).as_vec3(), 0),
-            with_word(scene.materials[triangle.material as usize].emission.into(), 0),
+            with_word(geometric_normal(triangle).as_vec3(), share[0]),
+            with_word(scene.materials[triangle.material as usize].emission.into(), share[1]),
         ]);
     }
     Ok(Lights { texels, pdf_area: densities, count: lights.len() as u32 })
