@@ -90,7 +90,10 @@ void store_path(Path path, uint pixel) {
     path_words[state_word(29u, pixel)] = floatBitsToUint(traversal.best.b2);
     store_uvec2(30u, pixel, traversal.nodes);
     store_uvec2(32u, pixel, traversal.triangles);
-    path_words[state_word(34u, pixel)] = traversal.stack_size;
+    if (QUEUE_TRIANGLES != 0u) {
+        store_uvec2(34u, pixel, traversal.queued);
+    }
+    path_words[state_word(36u, pixel)] = traversal.stack_size;
     // Constant bounds keep the stack in registers (traversal.glsl).
     for (uint i = 0u; i < STACK_ENTRIES; i++) {
         if (i < traversal.stack_size) {
@@ -126,7 +129,11 @@ Path load_path(uint pixel) {
     traversal.best.b2 = uintBitsToFloat(path_words[state_word(29u, pixel)]);
     traversal.nodes = load_uvec2(30u, pixel);
     traversal.triangles = load_uvec2(32u, pixel);
-    traversal.stack_size = path_words[state_word(34u, pixel)];
+    traversal.queued = uvec2(0u);
+    if (QUEUE_TRIANGLES != 0u) {
+        traversal.queued = load_uvec2(34u, pixel);
+    }
+    traversal.stack_size = path_words[state_word(36u, pixel)];
     traversal.searching = (flags & 16u) != 0u;
     for (uint i = 0u; i < STACK_ENTRIES; i++) {
         if (i < traversal.stack_size) {

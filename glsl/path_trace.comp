@@ -25,21 +25,34 @@ uint lanes_here() {
 #endif
 }
 
+// Tests the next triangle in line.
+void test_next(inout Path path, Ray ray, bool shadow, inout Tally tally) {
+    visit_triangle(path.traversal, ray, path.skip, path.skip_too, shadow);
+    tally.steps++;
+    tally.triangles++;
+}
+
 // Traces the path's ray until it is done, the budget is spent, or too few lanes still trace.
 void trace(inout Path path, inout Tally tally) {
     Ray ray = make_ray(path.o, path.d);
     bool shadow = path.phase == PHASE_SHADOW;
     uint entered = lanes_here();
     while (path.traversal.searching && tally.steps < push.budget) {
-        if (path.traversal.triangles.y == 0u) {
+        if (node_is_due(path.traversal)) {
             visit_node(path.traversal, ray);
             tally.steps++;
             tally.nodes++;
         }
-        while (path.traversal.triangles.y != 0u && tally.steps < push.budget) {
-            visit_triangle(path.traversal, ray, path.skip, path.skip_too, shadow);
-            tally.steps++;
-            tally.triangles++;
+        // Lanes without a triangle in line wait for those with. A queue lets all test one, and visit their next nodes before the
+        // rest; which of the two pays depends on how many triangles a visit brings (render/kernel.rs). Hits do not.
+        if (QUEUE_TRIANGLES != 0u) {
+            if (path.traversal.triangles.y != 0u && tally.steps < push.budget) {
+                test_next(path, ray, shadow, tally);
+            }
+        } else {
+            while (path.traversal.triangles.y != 0u && tally.steps < push.budget) {
+                test_next(path, ray, shadow, tally);
+            }
         }
         if (path.traversal.triangles.y == 0u && !nodes_left(path.traversal)) {
             path.traversal.searching = false;

@@ -67,6 +67,26 @@ fn refill_thresholds_do_not_show() {
     }
 }
 
+/// Triangles that wait for the next visit are tested in another order: the same hits, under every budget and in every tree.
+#[test]
+fn queues_of_triangles_do_not_show() {
+    let (scene, settings) = small("bunny", [33, 25], 4);
+    for accel in [AccelKind::Wide, AccelKind::Binary, AccelKind::Brute] {
+        let settings = Settings { accel, ..settings.clone() };
+        let picture = |queue_triangles, budget| {
+            let tuning = Tuning { queue_triangles: Some(queue_triangles), budget, ..Tuning::default() };
+            render_tuned(&scene, &settings, &tuning)
+        };
+        let reference = picture(false, None);
+        for budget in [None, Some(64)] {
+            let queued = picture(true, budget);
+            assert_same(&bits(&reference), &bits(&queued), &format!("{accel:?}, budget {budget:?}"));
+            // What waits culls nothing yet: the queue shows in the work, so it was there.
+            assert!(accel == AccelKind::Brute || queued.report.node_visits > reference.report.node_visits);
+        }
+    }
+}
+
 /// The modules that keep NaN and those that leave it to the driver.
 #[test]
 fn keeping_nan_does_not_show() {

@@ -11,15 +11,18 @@ Traversal walk(Ray ray, Hit start, uint skip, uint skip_too, bool first_hit_ends
     nodes = 0u;
     triangles = 0u;
     while (traversal.searching) {
-        if (traversal.triangles.y == 0u) {
+        if (node_is_due(traversal)) {
             visit_node(traversal, ray);
             nodes++;
         }
         while (traversal.triangles.y != 0u) {
             visit_triangle(traversal, ray, skip, skip_too, first_hit_ends);
             triangles++;
+            if (QUEUE_TRIANGLES != 0u) {
+                break;
+            }
         }
-        if (!nodes_left(traversal)) {
+        if (traversal.triangles.y == 0u && !nodes_left(traversal)) {
             traversal.searching = false;
         }
     }

@@ -17,6 +17,7 @@ struct Traversal {
     uvec2 nodes;
     // First triangle of a node's leaves, in leaf order, and a bit for each that is still to test.
     uvec2 triangles;
+    uvec2 queued;    // The same of the node visited after that one, where QUEUE_TRIANGLES lets it wait here.
     uint stack_size; // Entries on the stack.
     Hit best;        // Nearest hit so far.
     bool searching;  // Whether there is anything left to do.
@@ -36,6 +37,7 @@ uint pack_node(BinaryNode node) {
 Traversal begin_traversal(Hit best, vec3 o, vec3 d) {
     Traversal traversal;
     traversal.triangles = uvec2(0u);
+    traversal.queued = uvec2(0u);
     traversal.stack_size = 0u;
     traversal.best = best;
     traversal.searching = push.triangle_count > 0u && is_traceable(o, d);
@@ -93,6 +95,15 @@ float cull_distance(Hit best) {
     return guarded(GUARD_CULL_SLACK) ? best.key * CULL_BEYOND : best.key;
 }
 
+// Puts a node's triangles in line.
+void take_triangles(inout Traversal traversal, uvec2 group) {
+    if (QUEUE_TRIANGLES != 0u && traversal.triangles.y != 0u) {
+        traversal.queued = group;
+    } else {
+        traversal.triangles = group;
+    }
+}
+
 // Visits the next node of the wide tree: its children that the ray enters become the current group.
 void visit_wide(inout Traversal traversal, Ray ray) {
     if ((traversal.nodes.y & INNER_HITS) == 0u) {
@@ -110,7 +121,7 @@ void visit_wide(inout Traversal traversal, Ray ray) {
     WideNode node = fetch_wide_node(index);
     uint entered = enter_children(ray, node, octant, cull_distance(traversal.best));
     traversal.nodes = uvec2(node.first_child, (entered & INNER_HITS) | node.inner_mask);
-    traversal.triangles = uvec2(node.first_triangle, entered & ~INNER_HITS);
+    take_triangles(traversal, uvec2(node.first_triangle, entered & ~INNER_HITS));
 }
 
 // Visits the next node of the binary tree: a leaf gives its triangles, an inner node its nearer child, the other one goes
@@ -128,7 +139,7 @@ void visit_binary(inout Traversal traversal, Ray ray) {
     uint count = traversal.nodes.x >> 29;
     traversal.nodes.y = 0u;
     if (count > 0u) {
-        traversal.triangles = uvec2(first, (1u << count) - 1u);
+        take_triangles(traversal, uvec2(first, (1u << count) - 1u));
         return;
     }
     BinaryNode a = fetch_binary_node(first);
@@ -148,7 +159,7 @@ void visit_binary(inout Traversal traversal, Ray ray) {
 // Puts the next triangles of the list in line, 24 at most.
 void visit_brute(inout Traversal traversal) {
     uint count = min(push.triangle_count - traversal.nodes.x, 24u);
-    traversal.triangles = uvec2(traversal.nodes.x, (1u << count) - 1u);
+    take_triangles(traversal, uvec2(traversal.nodes.x, (1u << count) - 1u));
     traversal.nodes.x += count;
 }
 
@@ -163,7 +174,12 @@ bool nodes_left(Traversal traversal) {
     return traversal.nodes.x < push.triangle_count;
 }
 
-// Visits the next node, if no triangle is in line.
+// Whether the next node may be visited: there is one, and room for its triangles.
+bool node_is_due(Traversal traversal) {
+    return QUEUE_TRIANGLES != 0u ? traversal.queued.y == 0u && nodes_left(traversal) : traversal.triangles.y == 0u;
+}
+
+// Visits the next node, which is due.
 void visit_node(inout Traversal traversal, Ray ray) {
     if (ACCEL == ACCEL_WIDE) {
         visit_wide(traversal, ray);
@@ -176,11 +192,16 @@ void visit_node(inout Traversal traversal, Ray ray) {
 
 // Tests the next triangle in line. With `first_hit_ends` any hit is enough.
 void visit_triangle(inout Traversal traversal, Ray ray, uint skip, uint skip_too, bool first_hit_ends) {
-    uint offset = uint(findLSB(traversal.triangles.y));
+    uint index = traversal.triangles.x + uint(findLSB(traversal.triangles.y));
     traversal.triangles.y &= traversal.triangles.y - 1u;
-    bool changed = test_triangle(ray, traversal.triangles.x + offset, skip, skip_too, traversal.best);
+    if (QUEUE_TRIANGLES != 0u && traversal.triangles.y == 0u) {
+        traversal.triangles = traversal.queued;
+        traversal.queued.y = 0u;
+    }
+    bool changed = test_triangle(ray, index, skip, skip_too, traversal.best);
     if (first_hit_ends && changed) {
         traversal.triangles.y = 0u;
+        traversal.queued.y = 0u;
         traversal.searching = false;
     }
 }

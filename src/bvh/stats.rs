@@ -24,6 +24,8 @@ pub struct TreeStats {
     /// Expected cost of a ray that meets the root's box, by the surface-area heuristic: for a binary tree in triangle
     /// tests, for a wide one in node visits with the builder's weight of a triangle.
     pub sah_cost: f64,
+    /// Expected triangle tests over expected node visits of such a ray; 0 where there is no inner node.
+    pub tests_a_visit: f64,
     /// Mean number of children of a wide node, 2 for a binary one; 0 where there is no inner node.
     pub mean_children: f64,
     /// `leaf_sizes[n]` leaves hold `n` triangles.
@@ -50,17 +52,18 @@ impl Accel {
 
 fn binary(tree: &BinaryBvh) -> TreeStats {
     let mut stats = TreeStats { kind: "binary", depth: tree.depth, nodes: tree.nodes.len(), ..TreeStats::default() };
-    let mut cost = 0.0;
+    let (mut cost, mut tests) = (0.0, 0.0);
     for node in &tree.nodes {
         let area = f64::from(node.bounds.half_area());
         if node.is_leaf() {
             stats.add_leaf(node.count as usize);
-            cost += area * f64::from(node.count);
+            tests += area * f64::from(node.count);
         } else {
             cost += area * f64::from(sah::NODE_COST);
         }
     }
-    stats.sah_cost = relative(cost, tree.nodes.first().map_or(0.0, |root| f64::from(root.bounds.half_area())));
+    stats.tests_a_visit = relative(tests, cost);
+    stats.sah_cost = relative(cost + tests, tree.nodes.first().map_or(0.0, |root| f64::from(root.bounds.half_area())));
     stats.mean_children = if stats.nodes > stats.leaves { 2.0 } else { 0.0 };
     stats.node_bytes = tree.nodes.len() * BINARY_NODE_TEXELS as usize * 16;
     stats
@@ -68,23 +71,25 @@ fn binary(tree: &BinaryBvh) -> TreeStats {
 
 fn wide(tree: &WideBvh) -> TreeStats {
     let mut stats = TreeStats { kind: "wide", depth: tree.depth, nodes: tree.nodes.len(), ..TreeStats::default() };
-    let (mut cost, mut children) = (0.0, 0usize);
+    let (mut tests, mut children) = (0.0, 0usize);
     let root_area = tree.nodes.first().map_or(0.0, wide_root_area);
-    cost += root_area * f64::from(collapse::NODE_COST);
+    let mut visits = root_area;
     for node in &tree.nodes {
         for slot in 0..WIDE_CHILDREN as usize {
             let area = node.slot_half_area(slot);
             match node.child(slot) {
                 None => continue,
-                Some(Child::Node(_)) => cost += area * f64::from(collapse::NODE_COST),
+                Some(Child::Node(_)) => visits += area,
                 Some(Child::Leaf { count, .. }) => {
                     stats.add_leaf(count as usize);
-                    cost += area * f64::from(count) * f64::from(collapse::TRIANGLE_COST);
+                    tests += area * f64::from(count);
                 }
             }
             children += 1;
         }
     }
+    stats.tests_a_visit = relative(tests, visits);
+    let cost = visits * f64::from(collapse::NODE_COST) + tests * f64::from(collapse::TRIANGLE_COST);
     stats.sah_cost = relative(cost, root_area);
     stats.mean_children = children as f64 / tree.nodes.len().max(1) as f64;
     stats.node_bytes = tree.nodes.len() * WIDE_NODE_TEXELS as usize * 16;
@@ -98,8 +103,8 @@ fn wide_root_area(root: &super::WideNode) -> f64 {
     f64::from(bounds.half_area())
 }
 
-fn relative(cost: f64, root_area: f64) -> f64 {
-    if root_area > 0.0 { cost / root_area } else { 0.0 }
+fn relative(value: f64, to: f64) -> f64 {
+    if to > 0.0 { value / to } else { 0.0 }
 }
 
 impl TreeStats {
@@ -120,14 +125,16 @@ impl fmt::Display for TreeStats {
         }
         write!(
             f,
-            "{} tree: {} triangles, {} nodes ({:.1} MiB), depth {}, {:.2} children a node, SAH cost {:.2}, leaves of",
+            "{} tree: {} triangles, {} nodes ({:.1} MiB), depth {}, {:.2} children a node, SAH cost {:.2}, {:.2} tests a visit, \
+             leaves of",
             self.kind,
             self.triangles,
             self.nodes,
             self.node_bytes as f64 / (1024.0 * 1024.0),
             self.depth,
             self.mean_children,
-            self.sah_cost
+            self.sah_cost,
+            self.tests_a_visit
         )?;
         for (size, leaves) in self.leaf_sizes.iter().enumerate().filter(|(_, leaves)| **leaves > 0) {
             write!(f, " {size}: {leaves}")?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::bvh::Accel;
+use crate::bvh::{Accel, TreeStats};
 use crate::error::Result;
 use crate::film::{block_in_replicate, replicate_of_block};
 use crate::gpu::{BindingKind, BindingSlot, ComputePipeline, Context, PipelineDesc, shaders};
@@ -26,6 +26,13 @@ pub fn bindings() -> Vec<BindingSlot> {
 /// Where lanes refill by default; measured in docs/performance.md.
 const REFILL_EIGHTHS: u32 = 6;
 
+/// Where node visits bring fewer triangles than this each, they may wait for the next visit; measured in docs/performance.md.
+const FEW_TESTS_A_VISIT: f64 = 1.0;
+
+fn queues_triangles(tree: &TreeStats) -> bool {
+    tree.kind == "wide" && tree.tests_a_visit < FEW_TESTS_A_VISIT
+}
+
 /// The module for a device: with ballots and NaN kept where it offers them.
 fn module(context: &Context, tuning: &Tuning) -> &'static [u32] {
     let info = context.device_info();
@@ -38,11 +45,12 @@ fn module(context: &Context, tuning: &Tuning) -> &'static [u32] {
     }
 }
 
-/// Builds the pipeline, specialised for the scene's effects and the user's choices.
+/// Builds the pipeline, specialised for the scene's effects, its tree and the user's choices. `tree` has the figures of `accel`.
 pub fn path_tracer(
     context: &Context,
     settings: &Settings,
     accel: &Accel,
+    tree: &TreeStats,
     effects: &Effects,
     buffers: Buffers,
     tuning: &Tuning,
@@ -59,6 +67,7 @@ pub fn path_tracer(
         (SPEC_HEMISPHERE, hemisphere_value(settings.hemisphere)),
         (SPEC_ROULETTE, roulette_value(settings.roulette).0),
         (SPEC_REFILL_EIGHTHS, tuning.refill_eighths.unwrap_or(REFILL_EIGHTHS)),
+        (SPEC_QUEUE_TRIANGLES, u32::from(tuning.queue_triangles.unwrap_or_else(|| queues_triangles(tree)))),
         (SPEC_WITHOUT_GUARD, tuning.without_guard.map_or(GUARD_NONE, Guard::number)),
     ];
     specialization.extend((0..EFFECTS).map(|effect| (SPEC_EFFECTS + effect, u32::from(effects.is_on(effect)))));

@@ -38,6 +38,7 @@ impl Renderer {
 
         let start = Instant::now();
         let accel = build_accel(scene, settings);
+        let tree = accel.stats(scene.triangles.len());
         seconds.bvh = start.elapsed().as_secs_f64();
 
         let start = Instant::now();
@@ -54,7 +55,7 @@ impl Renderer {
         if let Some(effect) = tuning.without_effect {
             effects = effects.without(effect);
         }
-        let pipeline = kernel::path_tracer(context, settings, &accel, &effects, buffers, tuning)?;
+        let pipeline = kernel::path_tracer(context, settings, &accel, &tree, &effects, buffers, tuning)?;
         seconds.pipeline = start.elapsed().as_secs_f64();
 
         let tile_size = match tuning.tile {
@@ -76,7 +77,7 @@ impl Renderer {
         let region_pixels = width as usize * height as usize;
         Ok(Renderer {
             constants: constants(scene, settings, &data, replicates),
-            report: empty_report(&effects, seconds, buffers, accel.stats(scene.triangles.len())),
+            report: empty_report(&effects, seconds, buffers, tree),
             context: context.clone(),
             settings: settings.clone(),
             effects,
