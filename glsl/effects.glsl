@@ -23,7 +23,7 @@ layout(constant_id = SPEC_SAMPLER) const uint SAMPLER = SAMPLER_SOBOL;
 layout(constant_id = SPEC_LIGHTS) const uint LIGHTS = LIGHTS_MIS;
 layout(constant_id = SPEC_HEMISPHERE) const uint HEMISPHERE = HEMISPHERE_COSINE;
 layout(constant_id = SPEC_ROULETTE) const uint ROULETTE = ROULETTE_THROUGHPUT;
-layout(constant_id = SPEC_QUEUE_TRIANGLES) const uint QUEUE_TRIANGLES = 0u;
+layout(constant_id = SPEC_TESTS_A_VISIT) const uint TESTS_A_VISIT = 0u;
 layout(constant_id = SPEC_REFILL_EIGHTHS) const uint REFILL_EIGHTHS = 6u;
 
 #endif

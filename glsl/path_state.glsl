@@ -90,7 +90,7 @@ void store_path(Path path, uint pixel) {
     path_words[state_word(29u, pixel)] = floatBitsToUint(traversal.best.b2);
     store_uvec2(30u, pixel, traversal.nodes);
     store_uvec2(32u, pixel, traversal.triangles);
-    if (QUEUE_TRIANGLES != 0u) {
+    if (TESTS_A_VISIT != 0u) {
         store_uvec2(34u, pixel, traversal.queued);
     }
     path_words[state_word(36u, pixel)] = traversal.stack_size;
@@ -130,7 +130,7 @@ Path load_path(uint pixel) {
     traversal.nodes = load_uvec2(30u, pixel);
     traversal.triangles = load_uvec2(32u, pixel);
     traversal.queued = uvec2(0u);
-    if (QUEUE_TRIANGLES != 0u) {
+    if (TESTS_A_VISIT != 0u) {
         traversal.queued = load_uvec2(34u, pixel);
     }
     traversal.stack_size = path_words[state_word(36u, pixel)];

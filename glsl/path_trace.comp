@@ -25,11 +25,13 @@ uint lanes_here() {
 #endif
 }
 
-// Tests the next triangle in line.
+// Tests the next triangle in line, if there is one and a step for it.
 void test_next(inout Path path, Ray ray, bool shadow, inout Tally tally) {
-    visit_triangle(path.traversal, ray, path.skip, path.skip_too, shadow);
-    tally.steps++;
-    tally.triangles++;
+    if (path.traversal.triangles.y != 0u && tally.steps < push.budget) {
+        visit_triangle(path.traversal, ray, path.skip, path.skip_too, shadow);
+        tally.steps++;
+        tally.triangles++;
+    }
 }
 
 // Traces the path's ray until it is done, the budget is spent, or too few lanes still trace.
@@ -43,14 +45,15 @@ void trace(inout Path path, inout Tally tally) {
             tally.steps++;
             tally.nodes++;
         }
-        // Lanes without a triangle in line wait for those with. A queue lets all test one, and visit their next nodes before the
-        // rest; which of the two pays depends on how many triangles a visit brings (render/kernel.rs). Hits do not.
-        if (QUEUE_TRIANGLES != 0u) {
-            if (path.traversal.triangles.y != 0u && tally.steps < push.budget) {
+        // In a loop, lanes without a triangle in line wait for those with. A queue lets all test one or two, and visit their next
+        // nodes before the rest (render/kernel.rs chooses). Hits do not depend on it.
+        if (TESTS_A_VISIT == 0u) {
+            while (path.traversal.triangles.y != 0u && tally.steps < push.budget) {
                 test_next(path, ray, shadow, tally);
             }
         } else {
-            while (path.traversal.triangles.y != 0u && tally.steps < push.budget) {
+            test_next(path, ray, shadow, tally);
+            if (TESTS_A_VISIT > 1u) {
                 test_next(path, ray, shadow, tally);
             }
         }

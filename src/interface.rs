@@ -191,8 +191,8 @@ pub const SPEC_ROULETTE: u32 = 9;
 pub const SPEC_REFILL_EIGHTHS: u32 = 10;
 /// The guard (`GUARD_*`) that a kernel is built without: tests and studies only, a user's render has them all.
 pub const SPEC_WITHOUT_GUARD: u32 = 11;
-/// 1: a node's triangles may wait while the next node is visited.
-pub const SPEC_QUEUE_TRIANGLES: u32 = 12;
+/// Triangles that a lane tests between two node visits of its vector, the rest waiting for the next: 1 or 2, or 0 for all.
+pub const SPEC_TESTS_A_VISIT: u32 = 12;
 /// First effect switch; effect `e` has the constant `SPEC_EFFECTS + e`, 1 where it is on.
 pub const SPEC_EFFECTS: u32 = 32;
 
@@ -397,7 +397,7 @@ pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
     ("SPEC_STACK_ENTRIES", SPEC_STACK_ENTRIES), ("SPEC_INTERSECTOR", SPEC_INTERSECTOR), ("SPEC_SAMPLER", SPEC_SAMPLER),
     ("SPEC_LIGHTS", SPEC_LIGHTS), ("SPEC_HEMISPHERE", SPEC_HEMISPHERE), ("SPEC_ROULETTE", SPEC_ROULETTE),
     ("SPEC_REFILL_EIGHTHS", SPEC_REFILL_EIGHTHS), ("SPEC_EFFECTS", SPEC_EFFECTS),
-    ("SPEC_QUEUE_TRIANGLES", SPEC_QUEUE_TRIANGLES),
+    ("SPEC_TESTS_A_VISIT", SPEC_TESTS_A_VISIT),
     ("EFFECT_EMITTERS", EFFECT_EMITTERS), ("EFFECT_SKY", EFFECT_SKY), ("EFFECT_MIRROR", EFFECT_MIRROR),
     ("EFFECT_GLASS", EFFECT_GLASS), ("EFFECT_SMOOTH_NORMALS", EFFECT_SMOOTH_NORMALS),
     ("EFFECT_PIXEL_FILTER", EFFECT_PIXEL_FILTER),

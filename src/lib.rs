@@ -9,7 +9,7 @@
 //!
 //! A later stage may import an earlier one, never the reverse. [`gpu`] is the layer beneath: it alone names Vulkan and
 //! holds `unsafe`, and knows nothing of scenes. [`interface`] states what CPU and GPU agree on.
-//! [`selftest`] stands above all stages and asks them hard questions.
+//! [`selftest`] and [`study`] stand above all stages: one asks them hard questions, the other what they cost.
 
 #![deny(unsafe_code)]
 
@@ -23,6 +23,7 @@ pub mod render;
 pub mod scene;
 pub mod selftest;
 pub mod settings;
+pub mod study;
 pub mod texels;
 
 pub use error::{Error, Result};

@@ -73,14 +73,15 @@ fn queues_of_triangles_do_not_show() {
     let (scene, settings) = small("bunny", [33, 25], 4);
     for accel in [AccelKind::Wide, AccelKind::Binary, AccelKind::Brute] {
         let settings = Settings { accel, ..settings.clone() };
-        let picture = |queue_triangles, budget| {
-            let tuning = Tuning { queue_triangles: Some(queue_triangles), budget, ..Tuning::default() };
+        let picture = |tests_a_visit, budget| {
+            let tuning = Tuning { tests_a_visit: Some(tests_a_visit), budget, ..Tuning::default() };
             render_tuned(&scene, &settings, &tuning)
         };
-        let reference = picture(false, None);
-        for budget in [None, Some(64)] {
-            let queued = picture(true, budget);
-            assert_same(&bits(&reference), &bits(&queued), &format!("{accel:?}, budget {budget:?}"));
+        let reference = picture(0, None);
+        for (tests, budget) in [(1, None), (1, Some(64)), (2, None), (2, Some(64))] {
+            let queued = picture(tests, budget);
+            let what = format!("{accel:?}, {tests} tests a visit, budget {budget:?}");
+            assert_same(&bits(&reference), &bits(&queued), &what);
             // What waits culls nothing yet: the queue shows in the work, so it was there.
             assert!(accel == AccelKind::Brute || queued.report.node_visits > reference.report.node_visits);
         }

@@ -18,7 +18,7 @@ Traversal walk(Ray ray, Hit start, uint skip, uint skip_too, bool first_hit_ends
         while (traversal.triangles.y != 0u) {
             visit_triangle(traversal, ray, skip, skip_too, first_hit_ends);
             triangles++;
-            if (QUEUE_TRIANGLES != 0u) {
+            if (TESTS_A_VISIT != 0u) {
                 break;
             }
         }

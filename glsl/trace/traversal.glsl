@@ -17,7 +17,7 @@ struct Traversal {
     uvec2 nodes;
     // First triangle of a node's leaves, in leaf order, and a bit for each that is still to test.
     uvec2 triangles;
-    uvec2 queued;    // The same of the node visited after that one, where QUEUE_TRIANGLES lets it wait here.
+    uvec2 queued;    // The same of the node visited after that one, where TESTS_A_VISIT lets it wait here.
     uint stack_size; // Entries on the stack.
     Hit best;        // Nearest hit so far.
     bool searching;  // Whether there is anything left to do.
@@ -97,7 +97,7 @@ float cull_distance(Hit best) {
 
 // Puts a node's triangles in line.
 void take_triangles(inout Traversal traversal, uvec2 group) {
-    if (QUEUE_TRIANGLES != 0u && traversal.triangles.y != 0u) {
+    if (TESTS_A_VISIT != 0u && traversal.triangles.y != 0u) {
         traversal.queued = group;
     } else {
         traversal.triangles = group;
@@ -176,7 +176,7 @@ bool nodes_left(Traversal traversal) {
 
 // Whether the next node may be visited: there is one, and room for its triangles.
 bool node_is_due(Traversal traversal) {
-    return QUEUE_TRIANGLES != 0u ? traversal.queued.y == 0u && nodes_left(traversal) : traversal.triangles.y == 0u;
+    return TESTS_A_VISIT != 0u ? traversal.queued.y == 0u && nodes_left(traversal) : traversal.triangles.y == 0u;
 }
 
 // Visits the next node, which is due.
@@ -194,7 +194,7 @@ void visit_node(inout Traversal traversal, Ray ray) {
 void visit_triangle(inout Traversal traversal, Ray ray, uint skip, uint skip_too, bool first_hit_ends) {
     uint index = traversal.triangles.x + uint(findLSB(traversal.triangles.y));
     traversal.triangles.y &= traversal.triangles.y - 1u;
-    if (QUEUE_TRIANGLES != 0u && traversal.triangles.y == 0u) {
+    if (TESTS_A_VISIT != 0u && traversal.triangles.y == 0u) {
         traversal.triangles = traversal.queued;
         traversal.queued.y = 0u;
     }

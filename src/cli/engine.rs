@@ -9,6 +9,7 @@ use texray::gpu::{self, Context, ContextOptions, DeviceChoice, DeviceInfo};
 use texray::render::{self, Effects, Observer, RenderReport, Settings};
 use texray::scene::Scene;
 use texray::selftest::{self, Bench, Case, CaseReport, Finding, Tier, startup};
+use texray::study::{Rows, Watch, speed};
 use texray::{Error, Result};
 
 use super::limits;
@@ -120,6 +121,12 @@ impl Engine {
     /// Runs one hard case.
     pub fn run_case(&self, tier: Tier, case: &'static Case) -> CaseReport {
         selftest::run_case(&Bench::new(&self.context, tier), case)
+    }
+
+    /// Measures what the rows lack, on a device that passes the start-up probe.
+    pub fn study_speed(&self, plan: &speed::Plan, rows: &mut Rows, watch: &mut dyn Watch) -> Result<speed::Ended> {
+        startup::check(&self.context)?;
+        speed::run(&self.context, plan, rows, watch)
     }
 
     /// What validation has complained about so far.

@@ -18,6 +18,7 @@ mod selftest;
 mod settings;
 mod signals;
 pub mod streams;
+mod study;
 
 use std::time::Instant;
 
@@ -63,6 +64,7 @@ enum Command {
     Explain(explain::ExplainArgs),
     Devices(devices::DevicesArgs),
     Selftest(selftest::SelftestArgs),
+    Study(study::StudyArgs),
 }
 
 /// Runs the command that the process was started with, at `started`.
@@ -76,6 +78,7 @@ pub fn run(started: Instant) -> Result<Outcome, Failure> {
         Command::Explain(arguments) => arguments.run()?,
         Command::Devices(arguments) => arguments.run()?,
         Command::Selftest(arguments) => arguments.run()?,
+        Command::Study(arguments) => arguments.run()?,
     };
     Ok(outcome)
 }

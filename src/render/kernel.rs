@@ -26,11 +26,16 @@ pub fn bindings() -> Vec<BindingSlot> {
 /// Where lanes refill by default; measured in docs/performance.md.
 const REFILL_EIGHTHS: u32 = 6;
 
-/// Where node visits bring fewer triangles than this each, they may wait for the next visit; measured in docs/performance.md.
+/// Where a node visit brings fewer triangles than this, one test a visit keeps up with them; measured in docs/performance.md.
 const FEW_TESTS_A_VISIT: f64 = 1.0;
 
-fn queues_triangles(tree: &TreeStats) -> bool {
-    tree.kind == "wide" && tree.tests_a_visit < FEW_TESTS_A_VISIT
+/// Triangles that a lane tests between two node visits, 0 for all: a visit of the wide tree is dear enough to go on with.
+fn tests_a_visit(tree: &TreeStats) -> u32 {
+    match tree.kind {
+        "wide" if tree.tests_a_visit < FEW_TESTS_A_VISIT => 1,
+        "wide" => 2,
+        _ => 0,
+    }
 }
 
 /// The module for a device: with ballots and NaN kept where it offers them.
@@ -67,7 +72,7 @@ pub fn path_tracer(
         (SPEC_HEMISPHERE, hemisphere_value(settings.hemisphere)),
         (SPEC_ROULETTE, roulette_value(settings.roulette).0),
         (SPEC_REFILL_EIGHTHS, tuning.refill_eighths.unwrap_or(REFILL_EIGHTHS)),
-        (SPEC_QUEUE_TRIANGLES, u32::from(tuning.queue_triangles.unwrap_or_else(|| queues_triangles(tree)))),
+        (SPEC_TESTS_A_VISIT, tuning.tests_a_visit.unwrap_or_else(|| tests_a_visit(tree))),
         (SPEC_WITHOUT_GUARD, tuning.without_guard.map_or(GUARD_NONE, Guard::number)),
     ];
     specialization.extend((0..EFFECTS).map(|effect| (SPEC_EFFECTS + effect, u32::from(effects.is_on(effect)))));

@@ -51,8 +51,8 @@ pub struct Tuning {
     pub run_samples: Option<u32>,
     /// Lanes refill when fewer than this many eighths of them still trace, 0 to 8.
     pub refill_eighths: Option<u32>,
-    /// Whether a node's triangles may wait while the next node is visited; otherwise by the tree.
-    pub queue_triangles: Option<bool>,
+    /// Triangles tested between two node visits, 1 or 2, or 0 for all of them; otherwise by the tree.
+    pub tests_a_visit: Option<u32>,
     /// An effect (`interface::EFFECT_*`) to leave out though the scene calls for it: the control of the effects test.
     pub without_effect: Option<u32>,
     /// The module that leaves NaN to the driver, though the device can be asked to keep it.

@@ -1,0 +1,185 @@
+//! The raw figures of a study, kept on disk as they come.
+//!
+//! Comes in: a folder, what is being measured where, rows. Goes out: `NAME.json` (everything) and `NAME.csv` (a line a row), written
+//! anew after each row, whole or not at all. A study of the same origin goes on from what it finds there; rows of another
+//! device, driver, version or set of options are never mixed in: they are refused.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::output::write_whole;
+use crate::{Error, Result};
+
+/// What all rows of a study have in common.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Origin {
+    /// Name of the study.
+    pub study: String,
+    /// texray's version.
+    pub version: String,
+    /// The device, by its driver.
+    pub device: String,
+    /// The driver and its version.
+    pub driver: String,
+    /// Processor cores that the system offers.
+    pub cores: usize,
+    /// The command that remakes it.
+    pub command: String,
+}
+
+/// One measurement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Name of the scene.
+    pub scene: String,
+    /// What was measured.
+    pub case: String,
+    /// Which time, from 0.
+    pub repeat: u32,
+    /// Figures by name, with units in the names.
+    pub values: BTreeMap<String, f64>,
+}
+
+/// The rows of a study and their files.
+#[derive(Debug)]
+pub struct Rows {
+    json: PathBuf,
+    csv: PathBuf,
+    document: Document,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Document {
+    schema: u32,
+    origin: Origin,
+    rows: Vec<Row>,
+}
+
+impl Rows {
+    /// Opens the study's files in `folder`, which is made if it is not there.
+    ///
+    /// Fails with [`Error::Output`] where the folder cannot be written, or holds rows of another origin.
+    pub fn open(folder: &Path, origin: Origin) -> Result<Rows> {
+        std::fs::create_dir_all(folder).map_err(|error| Error::output(folder, error.to_string()))?;
+        let json = folder.join(format!("{}.json", origin.study));
+        let csv = json.with_extension("csv");
+        let rows = match std::fs::read_to_string(&json) {
+            Ok(text) => stored(&json, &text, &origin)?,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
+            Err(error) => return Err(Error::output(json, error.to_string())),
+        };
+        let rows = Rows { json, csv, document: Document { schema: 1, origin, rows } };
+        rows.write()?;
+        Ok(rows)
+    }
+
+    /// The rows, in the order in which they were measured.
+    pub fn all(&self) -> &[Row] {
+        &self.document.rows
+    }
+
+    /// What all have in common.
+    pub fn origin(&self) -> &Origin {
+        &self.document.origin
+    }
+
+    /// Whether this has been measured.
+    pub fn has(&self, scene: &str, case: &str, repeat: u32) -> bool {
+        self.all().iter().any(|row| row.scene == scene && row.case == case && row.repeat == repeat)
+    }
+
+    /// Figure `value` of all repeats of a case.
+    pub fn values<'a>(&'a self, scene: &'a str, case: &'a str, value: &'a str) -> impl Iterator<Item = f64> + 'a {
+        let of_case = self.all().iter().filter(move |row| row.scene == scene && row.case == case);
+        of_case.filter_map(move |row| row.values.get(value).copied())
+    }
+
+    /// Adds a row and writes the files.
+    pub fn add(&mut self, row: Row) -> Result<()> {
+        self.document.rows.push(row);
+        self.write()
+    }
+
+    fn write(&self) -> Result<()> {
+        let text = serde_json::to_string_pretty(&self.document)
+            .map_err(|error| Error::Internal(format!("rows that are not JSON: {error}")))?;
+        write_whole(&self.json, false, text.as_bytes())?;
+        write_whole(&self.csv, false, self.table().as_bytes())
+    }
+
+    /// A line a row; a figure that a row lacks is empty.
+    fn table(&self) -> String {
+        let names: BTreeSet<&String> = self.all().iter().flat_map(|row| row.values.keys()).collect();
+        let mut text = String::from("scene,case,repeat");
+        names.iter().for_each(|name| text += &format!(",{}", quoted(name)));
+        for row in self.all() {
+            text += &format!("\n{},{},{}", quoted(&row.scene), quoted(&row.case), row.repeat);
+            for name in &names {
+                text.push(',');
+                if let Some(value) = row.values.get(*name) {
+                    text += &value.to_string();
+                }
+            }
+        }
+        text + "\n"
+    }
+}
+
+/// The rows of the file, if they are of this origin.
+fn stored(json: &Path, text: &str, origin: &Origin) -> Result<Vec<Row>> {
+    let document: Document =
+        serde_json::from_str(text).map_err(|error| Error::output(json, format!("no rows of a study: {error}")))?;
+    if document.origin != *origin {
+        let message = "holds rows of another device, driver, version or command; give another folder to --out";
+        return Err(Error::output(json, message));
+    }
+    Ok(document.rows)
+}
+
+/// A field of CSV (RFC 4180).
+fn quoted(field: &str) -> String {
+    match field.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", field.replace('"', "\"\"")),
+        false => field.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn origin(device: &str) -> Origin {
+        Origin {
+            study: "speed".into(),
+            version: "1".into(),
+            device: device.into(),
+            driver: "d".into(),
+            cores: 2,
+            command: "texray study speed".into(),
+        }
+    }
+
+    fn row(case: &str, repeat: u32, name: &str, value: f64) -> Row {
+        Row { scene: "a,b".into(), case: case.into(), repeat, values: BTreeMap::from([(name.into(), value)]) }
+    }
+
+    #[test]
+    fn rows_come_back_and_others_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut rows = Rows::open(folder.path(), origin("one")).unwrap();
+        rows.add(row("x", 0, "seconds", 1.5)).unwrap();
+        rows.add(row("x", 1, "bytes", 7.0)).unwrap();
+        let again = Rows::open(folder.path(), origin("one")).unwrap();
+        assert_eq!(again.all(), rows.all());
+        assert!(again.has("a,b", "x", 1) && !again.has("a,b", "x", 2));
+        assert_eq!(again.values("a,b", "x", "seconds").collect::<Vec<_>>(), [1.5]);
+        let csv = std::fs::read_to_string(folder.path().join("speed.csv")).unwrap();
+        assert_eq!(csv, "scene,case,repeat,bytes,seconds\n\"a,b\",x,0,,1.5\n\"a,b\",x,1,7,\n");
+        let error = Rows::open(folder.path(), origin("two")).unwrap_err();
+        assert!(error.to_string().contains("another device"), "{error}");
+        std::fs::write(folder.path().join("speed.json"), "{}").unwrap();
+        assert!(Rows::open(folder.path(), origin("one")).is_err());
+    }
+}

@@ -1,0 +1,137 @@
+//! `texray study`: the rows are whole, a stopped study goes on, peers are run as their scripts want it, refusals are one line.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+const REPEATS: usize = 3;
+
+fn scene() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box.toml")
+}
+
+fn study(arguments: &[&str], out: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_texray"));
+    command.arg("study").args(arguments).arg("--out").arg(out);
+    command
+}
+
+fn speed(out: &Path) -> Command {
+    let scene = scene();
+    study(&["speed", scene.to_str().expect("a path of text"), "--quick"], out)
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn succeeded(output: &Output) -> String {
+    assert!(output.status.success(), "{}: {}", output.status, text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// Stands for a Python with Mitsuba: answers the import with success, and a render with a picture and figures made before.
+/// What it was asked is kept in `asked`.
+#[cfg(unix)]
+fn fake_python(folder: &Path) -> PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let picture = folder.join("peer.exr");
+    let mut render = Command::new(env!("CARGO_BIN_EXE_texray"));
+    render.arg("render").arg(scene()).args(["--size", "160x120", "--spp", "16", "--filter", "box", "-q", "-o"]);
+    succeeded(&render.arg(&picture).output().expect("texray starts"));
+    let python = folder.join("python");
+    let asked = folder.join("asked");
+    let script = format!(
+        "#!/bin/sh\nset -eu\n[ \"$1\" = -c ] && exit 0\necho \"$*\" >>'{}'\nwhile [ \"$1\" != --out ]; do shift; done\n\
+         cp '{}' \"$2.exr\"\necho '{{\"mpaths_s\": 2.5, \"spp\": 64, \"s_render\": 1.5}}' >\"$2.json\"\n",
+        asked.display(),
+        picture.display()
+    );
+    fs::write(&python, script).expect("the script can be written");
+    fs::set_permissions(&python, fs::Permissions::from_mode(0o755)).expect("the script can be made a program");
+    python
+}
+
+#[cfg(unix)]
+#[test]
+fn speed_is_measured_beside_a_peer_and_goes_on_where_it_stopped() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("out");
+    let python = fake_python(folder.path());
+    let run = |json: bool| {
+        let mut command = speed(&out);
+        command.arg("--peers").arg(folder.path()).env("MITSUBA_PYTHON", &python);
+        command.args(json.then_some("--json")).output().expect("texray starts")
+    };
+    let first = run(false);
+    let summary = succeeded(&first);
+    assert!(summary.lines().all(|line| line.chars().count() <= 80), "{summary}");
+    for words in ["cornell-box: 38 triangles", "relMSE * spp", "start to first picture", "mitsuba-no-roulette: 2.50"] {
+        assert!(summary.contains(words), "{words:?} in {summary}");
+    }
+
+    let json = fs::read_to_string(out.join("speed.json")).expect("the rows are on disk");
+    let mut document: Value = serde_json::from_str(&json).expect("the rows are JSON");
+    let rows = document["rows"].as_array().expect("a list").clone();
+    let of = |case: &str| rows.iter().filter(|row| row["case"] == case).collect::<Vec<_>>();
+    for case in ["no-roulette", "default", "start", "start-cold", "mitsuba", "mitsuba-multijitter"] {
+        assert_eq!(of(case).len(), REPEATS, "{case}");
+    }
+    // One path has fewer rays with roulette; every figure of a timed render is there and above 0.
+    let rays = |case: &str| of(case)[0]["values"]["rays_per_path"].as_f64().expect("a number");
+    assert!(rays("default") < rays("no-roulette") && rays("default") > 2.0);
+    for (name, value) in of("default")[0]["values"].as_object().expect("figures") {
+        assert!(value.as_f64().is_some_and(|value| value > 0.0), "{name} is {value}");
+    }
+    let error = of("error")[0]["values"]["relative_mse_spp"].as_f64().expect("a number");
+    assert!((0.05..0.2).contains(&error), "relMSE * spp is {error}");
+    // The peer's picture is ours, of fewer samples and another seed than the reference: as bright, and noisier.
+    let ratio = of("mitsuba error")[0]["values"]["mean_to_reference"].as_f64().expect("a number");
+    assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+    let asked = fs::read_to_string(folder.path().join("asked")).expect("the peer was asked");
+    let no_roulette = asked.lines().find(|line| line.contains("--rr-depth 1000")).expect("once without roulette");
+    for words in ["--variant llvm_ad_rgb", "--origin 2.780000000000 2.730000000000 -8.000000000000", "--bounces 8"] {
+        assert!(no_roulette.contains(words), "{words:?} in {no_roulette}");
+    }
+    let csv = fs::read_to_string(out.join("speed.csv")).expect("the table is on disk");
+    assert_eq!(csv.lines().count(), rows.len() + 1);
+
+    // As if it had been stopped two rows early: just these are measured again.
+    document["rows"].as_array_mut().expect("a list").truncate(rows.len() - 2);
+    fs::write(out.join("speed.json"), document.to_string()).expect("the rows can be written");
+    let again = run(true);
+    let answer: Value = serde_json::from_str(&succeeded(&again)).expect("the answer is JSON");
+    assert_eq!((&answer["schema"], &answer["stopped_by"]), (&Value::from(1), &Value::Null));
+    assert_eq!(answer["rows"].as_array().map(Vec::len), Some(rows.len()));
+    let progress = text(&again.stderr);
+    assert_eq!(progress.lines().filter(|line| line.contains(&format!("/{} ", rows.len()))).count(), 2, "{progress}");
+}
+
+#[test]
+fn refusals() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let refused = |command: &mut Command| {
+        let output = command.output().expect("texray starts");
+        let message = text(&output.stderr);
+        (output.status.code(), message.lines().last().unwrap_or_default().to_owned())
+    };
+    let out = folder.path().join("out");
+    let (code, message) = refused(&mut study(&["transfer"], &out));
+    assert_eq!((code, message.as_str()), (Some(2), "error: study transfer is not built yet"));
+    let (code, _) = refused(&mut study(&["weather"], &out));
+    assert_eq!(code, Some(2));
+    let (code, message) = refused(&mut study(&["speed", "no-such-scene.toml", "--quick"], &out));
+    assert!(code == Some(3) && message.starts_with("error: no-such-scene.toml"), "{code:?} {message}");
+
+    // Rows of something else stay as they are.
+    fs::create_dir_all(&out).expect("the folder can be made");
+    fs::write(out.join("speed.json"), "{}").expect("a file can be written");
+    let (code, message) = refused(&mut speed(&out));
+    assert!(code == Some(5) && message.contains("no rows of a study"), "{code:?} {message}");
+    assert_eq!(fs::read_to_string(out.join("speed.json")).expect("it is there"), "{}");
+    fs::write(folder.path().join("file"), "").expect("a file can be written");
+    let (code, message) = refused(&mut speed(&folder.path().join("file")));
+    assert!(code == Some(5) && message.contains("file"), "{code:?} {message}");
+}
