@@ -80,7 +80,7 @@ const NOT_BUILT_OPTIONS: [&str; 12] = [
     "--checkpoint-every",
     "--resume",
 ];
-const NOT_BUILT_COMMANDS: [&str; 5] = ["study", "compare", "view", "merge", "film"];
+const NOT_BUILT_COMMANDS: [&str; 4] = ["compare", "view", "merge", "film"];
 
 #[test]
 fn help_lists_every_option_once() {
