@@ -146,7 +146,7 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
     if (HAS_EMITTERS != 0u && LIGHTS != LIGHTS_BSDF && lambert && push.light_count > 0u) {
         uvec2 point = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_LIGHT_POINT));
         Light light = fetch_light(pick_light(point.x, tally.steps));
-        vec2 place = vec2(place_in_share(light, point.x), unit_float(point.y));
+        vec2 place = vec2(place_in_share(light.cdf_begin, light.cdf_scale, point.x), unit_float(point.y));
         LightSample arriving = sample_light(it, departure.o, light, place);
         precise vec3 pending = path.throughput * arriving.radiance;
         path.pending = pending;

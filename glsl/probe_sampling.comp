@@ -12,6 +12,7 @@
 //   8  power_heuristic: [a, b, 0, 0]              -> [weight of a, weight of b, 0, 0]
 //   9  pick_light: [word, 0, 0, 0]                -> [light, 0, 0, 0]
 //  10  pick_light of four words                   -> four lights
+//  11  place_in_share: [word, first, scale, 0]    -> [place, 0, 0, 0]; a light's first word, and one over how many it has
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -70,6 +71,8 @@ void main() {
         probe_output[index] = uvec4(pick_light(words.x, steps), pick_light(words.y, steps), pick_light(words.z, steps),
                                     pick_light(words.w, steps));
         return;
+    } else if (push.flags == 11u) {
+        result.x = place_in_share(words.y, args.z, words.x);
     }
     probe_output[index] = floatBitsToUint(result);
 }

@@ -28,10 +28,11 @@ float power_heuristic(float a, float b) {
     return weight;
 }
 
-// The place within the light's share of the random numbers of the one that chose it, in [0, 1). One number serves for the
-// choice and for the point, so that the points of one pixel are spread over all lights together, as over one.
-float place_in_share(Light light, uint word) {
-    precise float place = float(word - light.cdf_begin) * light.cdf_scale;
+// Where in a light's share of the random numbers the one stands that chose it, in [0, 1). One number serves for the choice and for
+// the point, so that the points of one pixel are spread over all lights together, as over one. A large share's last numbers
+// would be rounded to 1.
+float place_in_share(uint cdf_begin, float cdf_scale, uint word) {
+    precise float place = float(word - cdf_begin) * cdf_scale;
     return guarded(GUARD_UNIT_FLOAT) ? lesser(place, 0.999999940395355) : place;
 }
 

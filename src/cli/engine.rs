@@ -3,6 +3,8 @@
 //! Comes in: checked requests. Goes out: what the library answers, in the commands' words. Everything the commands need
 //! of `gpu` and of the renderer goes through here.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use serde::Serialize;
 use texray::film::Film;
 use texray::gpu::{self, Context, ContextOptions, DeviceChoice, DeviceInfo};
@@ -121,6 +123,13 @@ impl Engine {
     /// Runs one hard case.
     pub fn run_case(&self, tier: Tier, case: &'static Case) -> CaseReport {
         selftest::run_case(&Bench::new(&self.context, tier), case)
+    }
+
+    /// A hash of the path tracer's kernel, the same from run to run.
+    pub fn kernel_hash(&self) -> String {
+        let mut hasher = DefaultHasher::new();
+        gpu::shaders::PATH_TRACE_KEEP_NAN.hash(&mut hasher);
+        format!("{:016x}", hasher.finish())
     }
 
     /// Measures what the rows lack, on a device that passes the start-up probe.

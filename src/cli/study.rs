@@ -127,6 +127,7 @@ impl StudyArgs {
         Origin {
             study: "speed".into(),
             version: env!("CARGO_PKG_VERSION").into(),
+            kernel: engine.kernel_hash(),
             device: engine.device().name.clone(),
             driver: engine.device().driver.clone(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),

@@ -45,6 +45,11 @@ impl Child {
 }
 
 /// The number at a path of keys.
-pub fn number(document: &Value, keys: &[&str]) -> Option<f64> {
-    keys.iter().try_fold(document, |value, key| value.get(key))?.as_f64()
+///
+/// Fails with [`Error::Internal`] where there is none.
+pub fn number(document: &Value, keys: &[&str]) -> Result<f64> {
+    let found = keys.iter().try_fold(document, |value, key| value.get(key));
+    found
+        .and_then(Value::as_f64)
+        .ok_or_else(|| Error::Internal(format!("a document without a number at {}", keys.join("."))))
 }

@@ -134,7 +134,7 @@ impl Peers {
         let failed = |why: &str| Error::Usage(format!("{}: {why}: {}", peer.name(), last_line(&complaint)));
         let text = std::fs::read_to_string(out.with_extension("json")).map_err(|_| failed("no figures"))?;
         let figures: Value = serde_json::from_str(&text).map_err(|_| failed("figures that are not JSON"))?;
-        let figure = |name: &str| number(&figures, &[name]).ok_or_else(|| failed(name));
+        let figure = |name: &str| number(&figures, &[name]).map_err(|_| failed(&format!("no {name}")));
         Ok(PeerRun {
             mpaths_per_second: figure("mpaths_s")?,
             spp: figure("spp")?,

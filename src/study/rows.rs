@@ -2,7 +2,7 @@
 //!
 //! Comes in: a folder, what is being measured where, rows. Goes out: `NAME.json` (everything) and `NAME.csv` (a line a row), written
 //! anew after each row, whole or not at all. A study of the same origin goes on from what it finds there; rows of another
-//! device, driver, version or set of options are never mixed in: they are refused.
+//! device, driver, version, kernel or set of options are never mixed in: they are refused.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -19,6 +19,8 @@ pub struct Origin {
     pub study: String,
     /// texray's version.
     pub version: String,
+    /// Hash of the path tracer's kernel, which changes more often.
+    pub kernel: String,
     /// The device, by its driver.
     pub device: String,
     /// The driver and its version.
@@ -132,7 +134,7 @@ fn stored(json: &Path, text: &str, origin: &Origin) -> Result<Vec<Row>> {
     let document: Document =
         serde_json::from_str(text).map_err(|error| Error::output(json, format!("no rows of a study: {error}")))?;
     if document.origin != *origin {
-        let message = "holds rows of another device, driver, version or command; give another folder to --out";
+        let message = "holds rows of another device, driver, version, kernel or command; give another folder to --out";
         return Err(Error::output(json, message));
     }
     Ok(document.rows)
@@ -154,6 +156,7 @@ mod tests {
         Origin {
             study: "speed".into(),
             version: "1".into(),
+            kernel: "k".into(),
             device: device.into(),
             driver: "d".into(),
             cores: 2,

@@ -149,8 +149,14 @@ pub fn run(context: &Context, plan: &Plan, rows: &mut Rows, watch: &mut dyn Watc
     let schedule = schedule(plan.scale, &peers, threads);
     let total = schedule.len() * plan.scenes.len();
     let mut done = 0;
+    let mut names: Vec<String> = Vec::new();
     for path in &plan.scenes {
         let mut bench = measure::SceneBench::load(context, plan, path)?;
+        // Rows go by the scene's name.
+        if names.iter().any(|name| name == bench.name()) {
+            return Err(Error::Usage(format!("{}: there are two scenes named {}", path.display(), bench.name())));
+        }
+        names.push(bench.name().into());
         for &(case, repeat) in &schedule {
             done += 1;
             if rows.has(bench.name(), &case.name(), repeat) {

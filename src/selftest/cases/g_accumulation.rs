@@ -205,6 +205,7 @@ fn ends_of_the_unit_interval(bench: &Bench) -> Result<Vec<Finding>> {
         Finding::never("random floats that reach 1", reach, 1 << 24),
         Finding::never("random floats other than the word's 24 bits", wrong, 1 << 24),
     ];
+    findings.push(places_in_shares(bench)?);
     let ends = [0.0, 2f32.powi(-24), 0.25, 0.5, 0.5 + 2f32.powi(-24), 1.0 - 2f32.powi(-24)];
     let input: Vec<Texel> = ends.iter().flat_map(|&u| ends.map(|v: f32| [u.to_bits(), v.to_bits(), 0, 0])).collect();
     for (function, name) in [(2, "cosine hemisphere"), (3, "uniform hemisphere"), (4, "triangle")] {
@@ -221,6 +222,24 @@ fn ends_of_the_unit_interval(bench: &Bench) -> Result<Vec<Finding>> {
         findings.push(Finding::never(format!("{name}: unsound at the ends"), wrong.count() as u64, input.len() as u64));
     }
     Ok(findings)
+}
+
+/// A number that chose a light has a place below 1 in the light's share: the ends of shares of every size, at either end of all
+/// numbers.
+fn places_in_shares(bench: &Bench) -> Result<Finding> {
+    let sizes = (0..=32).flat_map(|exponent| [1u64 << exponent, (1 << exponent) - 1]).filter(|&size| size > 0);
+    let input: Vec<Texel> = sizes
+        .flat_map(|size| {
+            let scale = (1.0 / size as f32).to_bits();
+            let last_share = ((1 << 32) - size) as u32;
+            [0, last_share].into_iter().flat_map(move |first| {
+                [0, size / 2, size - 1].map(|offset| [first.wrapping_add(offset as u32), first, scale, 0])
+            })
+        })
+        .collect();
+    let answers = Calls::new(shaders::PROBE_SAMPLING, 11, &input).run(bench)?;
+    let outside = answers.iter().filter(|answer| !(0.0..1.0).contains(&f32::from_bits(answer[0]))).count();
+    Ok(Finding::never("places in a light's share outside [0, 1)", outside as u64, input.len() as u64))
 }
 
 /// Numbers of neighbouring pixels, samples and dimensions are independent, down to the lowest bits; means of up to 2^20 of

@@ -1,10 +1,9 @@
 //! One measurement of a scene at a time.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::super::child::number;
-use super::super::peers::Peer;
+use super::super::peers::{Peer, PeerRun};
 use super::super::relative_error::{mean, relative_mse};
 use super::super::{Row, Watch};
 use super::{Case, ERROR_SPP, Plan};
@@ -15,7 +14,7 @@ use crate::scene::{Filter, Scene};
 use crate::settings::{Roulette, Settings};
 use crate::{Error, Result};
 
-/// Seed of references, and first seed of what is compared with them.
+/// Seed of references: no picture that is compared with them has it.
 const REFERENCE_SEED: u64 = 1 << 32;
 
 /// A scene with what is known of it so far.
@@ -24,7 +23,7 @@ pub struct SceneBench<'a> {
     plan: &'a Plan,
     scene: Scene,
     /// Samples of a timed render, once the device has been warmed up.
-    spp: BTreeMap<String, u32>,
+    timed_spp: Vec<(Case, u32)>,
     reference: Option<Vec<[f32; 3]>>,
 }
 
@@ -41,7 +40,7 @@ impl Observer for Stopping<'_> {
 
 impl<'a> SceneBench<'a> {
     pub fn load(context: &'a Context, plan: &'a Plan, path: &Path) -> Result<SceneBench<'a>> {
-        Ok(SceneBench { context, plan, scene: Scene::load(path)?, spp: BTreeMap::new(), reference: None })
+        Ok(SceneBench { context, plan, scene: Scene::load(path)?, timed_spp: Vec::new(), reference: None })
     }
 
     pub fn name(&self) -> &str {
@@ -77,7 +76,7 @@ impl<'a> SceneBench<'a> {
 
     /// Samples that take the wanted time. The first call compiles, and times a second render.
     fn timed_spp(&mut self, case: Case, watch: &dyn Watch) -> Result<Option<u32>> {
-        if let Some(&spp) = self.spp.get(&case.name()) {
+        if let Some(&(_, spp)) = self.timed_spp.iter().find(|timed| timed.0 == case) {
             return Ok(Some(spp));
         }
         let settings = self.settings(case, self.plan.scale.size, 2);
@@ -86,7 +85,7 @@ impl<'a> SceneBench<'a> {
         };
         let wanted = self.plan.scale.seconds * 2.0 / warm.report.seconds.render.max(1e-3);
         let spp = (wanted.round() as u32).clamp(1, 4096);
-        self.spp.insert(case.name(), spp);
+        self.timed_spp.push((case, spp));
         Ok(Some(spp))
     }
 
@@ -176,12 +175,12 @@ impl<'a> SceneBench<'a> {
             ("seconds_total", ["seconds", "total"]),
             ("bytes_device", ["bytes", "device"]),
         ];
-        let mut values: Vec<_> =
-            names.into_iter().filter_map(|(name, keys)| Some((name, number(&document, &keys)?))).collect();
+        let mut values =
+            names.into_iter().map(|(name, keys)| Ok((name, number(&document, &keys)?))).collect::<Result<Vec<_>>>()?;
         // On the host: what is left then is the file.
-        if let (Some(total), Some(write)) = (number(&document, &names[6].1), number(&document, &names[5].1)) {
-            values.push(("seconds_first_picture", total - write));
-        }
+        let write = number(&document, &["seconds", "write"])?;
+        values.push(("seconds_first_picture", number(&document, &["seconds", "total"])? - write));
+        // Not every system tells.
         values.extend(number(&document, &["peak_rss_bytes"]).map(|bytes| ("bytes_peak_rss", bytes)));
         Ok(values)
     }
@@ -190,8 +189,7 @@ impl<'a> SceneBench<'a> {
         let Some(spp) = self.timed_spp(Case::Default, watch)? else { return Ok(None) };
         let variables: &[(&str, &str)] = if one { &[("LP_NUM_THREADS", "1")] } else { &[] };
         let document = self.plan.child.render(&self.scene.path, &self.arguments(spp), variables)?;
-        let rate = number(&document, &["paths_per_second"]);
-        Ok(Some(rate.map(|rate| ("mpaths_per_second", rate / 1e6)).into_iter().collect()))
+        Ok(Some(vec![("mpaths_per_second", number(&document, &["paths_per_second"])? / 1e6)]))
     }
 
     fn peer(&self, peer: Peer) -> Result<Vec<(&'static str, f64)>> {
@@ -211,7 +209,7 @@ impl<'a> SceneBench<'a> {
         Ok(values)
     }
 
-    fn peer_run(&self, peer: Peer, size: [u32; 2], spp: u32, seed: u32) -> Result<super::super::peers::PeerRun> {
+    fn peer_run(&self, peer: Peer, size: [u32; 2], spp: u32, seed: u32) -> Result<PeerRun> {
         let peers = self.plan.peers.as_ref().ok_or_else(|| Error::Internal("a peer that was not asked for".into()))?;
         let max_bounces = Settings::for_scene(&self.scene).max_bounces;
         peers.render(peer, &self.scene, size, spp, max_bounces, seed)
