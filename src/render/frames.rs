@@ -107,6 +107,7 @@ impl Renderer {
     fn run(&mut self, first: u32, samples: u32, start: Instant, observer: &mut dyn Observer) -> Result<bool> {
         let mut pending: Option<PendingTile> = None;
         let mut pixels_done = 0;
+        self.pace.begin_run(samples);
         for index in 0..self.tiles.len() {
             let tile = self.tiles[index];
             if self.tiles.len() > 1 && !first.is_multiple_of(BLOCK_SAMPLES) {

@@ -16,6 +16,7 @@ pub struct Pace {
     pub budget: u32,
     target: Duration,
     adapts_budget: bool,
+    samples: u32,
 }
 
 impl Pace {
@@ -28,7 +29,16 @@ impl Pace {
             budget: fixed_budget.unwrap_or(if is_cpu { CPU_STEP_BUDGET } else { MIN_STEP_BUDGET }),
             target: Duration::from_millis(if is_cpu { 250 } else { 50 }),
             adapts_budget: !is_cpu && fixed_budget.is_none(),
+            samples: 1,
         }
+    }
+
+    /// Prepares for a run of `samples` samples: where a submit does all of its rows' samples, fewer rows take as long.
+    pub fn begin_run(&mut self, samples: u32) {
+        if !self.adapts_budget {
+            self.rows = (u64::from(self.rows) * u64::from(self.samples) / u64::from(samples)).clamp(1, 1 << 30) as u32;
+        }
+        self.samples = samples;
     }
 
     /// Takes note that a slice of `rows`, in a tile of `height`, took `elapsed` in its first submit.
@@ -48,7 +58,7 @@ impl Pace {
     }
 }
 
-/// Lengths of runs: powers of two that never cross a block's end, doubling while a run stays short.
+/// Lengths of runs, which never cross a block's end: one sample first, for a picture soon, then as long as a run may take.
 #[derive(Clone, Copy, Debug)]
 pub struct RunLength {
     limit: u32,
@@ -65,26 +75,19 @@ impl RunLength {
         RunLength { limit: fixed.unwrap_or(1).clamp(1, BLOCK_SAMPLES), fixed: fixed.is_some() }
     }
 
-    /// Samples of the run that begins at sample `first`, of `spp`.
+    /// Samples of the run that begins at sample `first`, of `spp`: what is left of the block, in equal parts where it takes
+    /// more than one run.
     pub fn next(&self, first: u32, spp: u32) -> u32 {
-        let in_block = first % BLOCK_SAMPLES;
-        let aligned = match (self.fixed, in_block) {
-            (true, _) => BLOCK_SAMPLES - in_block,
-            (false, 0) => BLOCK_SAMPLES,
-            (false, place) => 1 << place.trailing_zeros(),
-        };
-        aligned.min(self.limit).min(spp - first)
+        let left = (BLOCK_SAMPLES - first % BLOCK_SAMPLES).min(spp - first);
+        let runs = if self.fixed { 1 } else { left.div_ceil(self.limit) };
+        left.div_ceil(runs).min(self.limit)
     }
 
     /// Takes note that a run of `samples` took `elapsed`.
     pub fn note(&mut self, samples: u32, elapsed: Duration) {
-        if self.fixed {
-            return;
-        }
-        if elapsed > RUN_TARGET {
-            self.limit = (samples / 2).max(1);
-        } else if elapsed * 2 < RUN_TARGET {
-            self.limit = (self.limit.max(samples) * 2).min(BLOCK_SAMPLES);
+        if !self.fixed {
+            let affordable = RUN_TARGET.as_secs_f64() * f64::from(samples) / elapsed.as_secs_f64().max(1e-9);
+            self.limit = affordable.clamp(1.0, f64::from(BLOCK_SAMPLES)) as u32;
         }
     }
 }
@@ -107,6 +110,38 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn runs_take_as_long_as_they_may() {
+        let lengths = |spp: u32, sample_seconds: f64| {
+            let mut length = RunLength::new(None);
+            let (mut first, mut lengths) = (0, Vec::new());
+            while first < spp {
+                let samples = length.next(first, spp);
+                lengths.push(samples);
+                first += samples;
+                length.note(samples, Duration::from_secs_f64(sample_seconds * f64::from(samples)));
+            }
+            lengths
+        };
+        assert_eq!(lengths(40, 0.1), [1, 15, 16, 8]);
+        assert_eq!(lengths(33, 0.9), [1, 8, 7, 8, 8, 1]);
+        assert_eq!(lengths(3, 60.0), [1, 1, 1]);
+        assert_eq!(lengths(20, 0.0), [1, 15, 4]);
+    }
+
+    #[test]
+    fn a_submit_of_longer_runs_has_fewer_rows() {
+        let mut pace = Pace::new(true, None);
+        pace.rows = 320;
+        pace.begin_run(16);
+        assert_eq!(pace.rows, 20);
+        pace.begin_run(1);
+        assert_eq!(pace.rows, 320);
+        let mut pace = Pace::new(false, None);
+        pace.begin_run(16);
+        assert_eq!(pace.rows, 32);
     }
 
     #[test]
