@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
 
+use super::batches::in_batches;
 use super::mtl_scan::Library;
 use super::nearest::nearest;
 use super::number::in_range;
@@ -144,23 +145,25 @@ impl<'a> Assembly<'a> {
         let smooth = whole.is_none() || mesh.parts.iter().all(|part| part.faces == 0 || part.all_normals);
         let mut zero_normals = 0;
         self.raw.triangles.reserve(mesh.triangles.len());
-        for triangle in &mesh.triangles {
-            let material = material_of_part[triangle.part as usize];
-            let Some((positions, front)) = placed(entry, triangle) else {
-                self.refuse_overflow(entry, triangle)?;
-                self.raw.degenerate += 1;
-                continue;
-            };
-            let corners = match mesh.corners.get(triangle.corners as usize) {
-                Some(corners) if smooth => placed_corners(entry, corners, front, &mut zero_normals),
-                _ => None,
-            };
-            let corners = corners.map_or(NO_INDEX, |corners| {
-                self.raw.corners.push(corners);
-                (self.raw.corners.len() - 1) as u32
-            });
-            self.raw.triangles.push(RawTriangle { positions, material, corners });
-        }
+        let corners_of = |triangle: &ObjTriangle| mesh.corners.get(triangle.corners as usize).filter(|_| smooth);
+        in_batches(
+            &mesh.triangles,
+            |_, triangles| PlacedPart::of(entry, triangles, &material_of_part, corners_of),
+            |part| {
+                if let Some(triangle) = part.overflows {
+                    return Err(self.overflow(entry, &triangle));
+                }
+                let first = self.raw.corners.len() as u32;
+                self.raw.corners.extend(part.corners);
+                self.raw.triangles.extend(part.triangles.into_iter().map(|triangle| match triangle.corners {
+                    NO_INDEX => triangle,
+                    corners => RawTriangle { corners: first + corners, ..triangle },
+                }));
+                self.raw.degenerate += part.degenerate;
+                zero_normals += part.zero_normals;
+                Ok(())
+            },
+        )?;
         if self.raw.triangles.len() >= 1 << 31 {
             return Err(Error::scene(self.path, entry.line, "more than 2147483647 triangles; allowed are as many"));
         }
@@ -174,16 +177,12 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    fn refuse_overflow(&self, entry: &MeshEntry, triangle: &ObjTriangle) -> Result<()> {
-        match triangle.positions.map(|point| entry.transform.point(point)).into_iter().find(|&point| !in_range(point)) {
-            None => Ok(()),
-            Some(point) => {
-                let reach = point.abs().max_element();
-                let message =
-                    format!("the mesh's transform moves a corner to {reach:e}; allowed are coordinates up to 1e100");
-                Err(Error::scene(self.path, entry.line, message))
-            }
-        }
+    /// The refusal of a triangle that the mesh's transform moves out of range.
+    fn overflow(&self, entry: &MeshEntry, triangle: &ObjTriangle) -> Error {
+        let moved = triangle.positions.map(|point| entry.transform.point(point));
+        let reach = moved.into_iter().map(|point| point.abs().max_element()).fold(0.0, f64::max);
+        let message = format!("the mesh's transform moves a corner to {reach:e}; allowed are coordinates up to 1e100");
+        Error::scene(self.path, entry.line, message)
     }
 
     /// The material that a `[[mesh]]` names for all its faces: the scene's own, or else the MTL file's.
@@ -244,15 +243,53 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Positions in the scene and the unit normal of the front; nothing where the area is zero or a corner out of range.
-fn placed(entry: &MeshEntry, triangle: &ObjTriangle) -> Option<([DVec3; 3], DVec3)> {
-    let [a, b, c] = triangle.positions.map(|position| entry.transform.point(position));
-    if ![a, b, c].into_iter().all(in_range) {
-        return None;
+/// Triangles of a mesh, placed; `corners` of a triangle count from the part's first.
+#[derive(Default)]
+struct PlacedPart {
+    triangles: Vec<RawTriangle>,
+    corners: Vec<RawCorners>,
+    degenerate: usize,
+    zero_normals: usize,
+    /// The first triangle with a corner out of range; those after it are not placed.
+    overflows: Option<ObjTriangle>,
+}
+
+impl PlacedPart {
+    fn of<'c>(
+        entry: &MeshEntry,
+        triangles: &[ObjTriangle],
+        material_of_part: &[u32],
+        corners_of: impl Fn(&ObjTriangle) -> Option<&'c ObjCorners>,
+    ) -> PlacedPart {
+        let mut part = PlacedPart { triangles: Vec::with_capacity(triangles.len()), ..PlacedPart::default() };
+        for triangle in triangles {
+            let positions = placed(entry, triangle);
+            if !positions.into_iter().all(in_range) {
+                part.overflows = Some(*triangle);
+                break;
+            }
+            let Some(front) = unit_normal(positions) else {
+                part.degenerate += 1;
+                continue;
+            };
+            let placed =
+                corners_of(triangle).and_then(|corners| placed_corners(entry, corners, front, &mut part.zero_normals));
+            let corners = placed.map_or(NO_INDEX, |corners| {
+                part.corners.push(corners);
+                (part.corners.len() - 1) as u32
+            });
+            let material = material_of_part[triangle.part as usize];
+            part.triangles.push(RawTriangle { positions, material, corners });
+        }
+        part
     }
+}
+
+/// Positions in the scene.
+fn placed(entry: &MeshEntry, triangle: &ObjTriangle) -> [DVec3; 3] {
+    let [a, b, c] = triangle.positions.map(|position| entry.transform.point(position));
     // A mirrored triangle turns the other way round: two corners are swapped to keep its front.
-    let positions = if entry.transform.mirrors() { [a, c, b] } else { [a, b, c] };
-    unit_normal(positions).map(|front| (positions, front))
+    if entry.transform.mirrors() { [a, c, b] } else { [a, b, c] }
 }
 
 /// Unit normal of a triangle of any size, or nothing where its area is zero.

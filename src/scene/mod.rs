@@ -14,6 +14,7 @@
 //! ```
 
 mod assemble;
+mod batches;
 pub mod camera;
 #[cfg(test)]
 mod damage;

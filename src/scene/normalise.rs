@@ -5,11 +5,13 @@
 //! lies in [1, 2). Both scalings are exact, so a scene that is moved (by numbers that keep its coordinates exact) or
 //! scaled by a power of two comes out bit for bit the same. Only materials that a triangle uses remain.
 
+use std::convert::Infallible;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
 use super::assemble::{RawScene, RawTriangle};
+use super::batches::in_batches;
 use super::{Camera, Corners, Material, Scaling, Triangle};
 use crate::interface::NO_INDEX;
 use crate::{Error, Result};
@@ -87,29 +89,40 @@ impl Normalised {
     /// Adds every triangle that keeps an area in f32. Goes out: the index of each raw material, by first use.
     fn add_triangles(&mut self, raw: &RawScene) -> Vec<u32> {
         let mut material_of_raw = vec![NO_INDEX; raw.materials.len()];
-        for triangle in &raw.triangles {
-            let positions = triangle.positions.map(|position| self.scaling.point(position).as_vec3());
-            if !has_area(positions) {
-                self.degenerate += 1;
-                continue;
+        let scaling = self.scaling;
+        // Scaled positions with the raw indices; nothing where no area is left.
+        let scale = |raw: &RawTriangle| {
+            let positions = raw.positions.map(|corner| scaling.point(corner).as_vec3());
+            has_area(positions).then_some(Triangle { positions, material: raw.material, corners: raw.corners })
+        };
+        let scaled = |_, part: &[RawTriangle]| part.iter().map(scale).collect::<Vec<_>>();
+        // The addition of a part cannot fail.
+        let added: std::result::Result<(), Infallible> = in_batches(&raw.triangles, scaled, |part| {
+            for triangle in part {
+                let Some(triangle) = triangle else {
+                    self.degenerate += 1;
+                    continue;
+                };
+                let material = &mut material_of_raw[triangle.material as usize];
+                if *material == NO_INDEX {
+                    *material = self.materials.len() as u32;
+                    let kind = raw.materials[triangle.material as usize].1.kind();
+                    self.materials.push(Material { name: String::new(), kind, emission: [0.0; 3] });
+                }
+                let material = *material;
+                let mut corners = NO_INDEX;
+                if let Some(smooth) = raw.corners.get(triangle.corners as usize) {
+                    corners = self.corners.len() as u32;
+                    self.corners.push(Corners {
+                        normals: smooth.normals.map(|normal| normal.as_vec3()),
+                        uvs: smooth.uvs.map(|uv| uv.as_vec2()),
+                    });
+                }
+                self.triangles.push(Triangle { material, corners, ..triangle });
             }
-            let material = &mut material_of_raw[triangle.material as usize];
-            if *material == NO_INDEX {
-                *material = self.materials.len() as u32;
-                let kind = raw.materials[triangle.material as usize].1.kind();
-                self.materials.push(Material { name: String::new(), kind, emission: [0.0; 3] });
-            }
-            let material = *material;
-            let mut corners = NO_INDEX;
-            if let Some(smooth) = raw.corners.get(triangle.corners as usize) {
-                corners = self.corners.len() as u32;
-                self.corners.push(Corners {
-                    normals: smooth.normals.map(|normal| normal.as_vec3()),
-                    uvs: smooth.uvs.map(|uv| uv.as_vec2()),
-                });
-            }
-            self.triangles.push(Triangle { positions, material, corners });
-        }
+            Ok(())
+        });
+        let Ok(()) = added;
         material_of_raw
     }
 }
