@@ -8,7 +8,7 @@ use rayon::prelude::*;
 /// Items of a part: enough work to be worth a task.
 const PART: usize = 1 << 14;
 /// Parts in work together.
-const TOGETHER: usize = 32;
+const TOGETHER: usize = 8;
 
 /// Calls `work` on parts of `items` (with the number of the part's first item), in parallel, and `take` on every result in order,
 /// until one fails.
