@@ -29,6 +29,7 @@ RECORD_BUFFER(lights, BINDING_LIGHTS)
 RECORD_BUFFER(camera, BINDING_CAMERA)
 RECORD_BUFFER(filter, BINDING_FILTER)
 RECORD_BUFFER(random, BINDING_RANDOM)
+RECORD_BUFFER(light_nodes, BINDING_LIGHT_NODES)
 
 // Word `field * tile_pixels + pixel` of the path states (path_state.glsl).
 layout(set = 0, binding = BINDING_PATHS, std430) buffer PathStates { uint path_words[]; };

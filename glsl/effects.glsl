@@ -21,6 +21,7 @@ layout(constant_id = SPEC_STACK_ENTRIES) const uint STACK_ENTRIES = 16u;
 layout(constant_id = SPEC_INTERSECTOR) const uint INTERSECTOR = INTERSECTOR_WATERTIGHT;
 layout(constant_id = SPEC_SAMPLER) const uint SAMPLER = SAMPLER_SOBOL;
 layout(constant_id = SPEC_LIGHTS) const uint LIGHTS = LIGHTS_MIS;
+layout(constant_id = SPEC_LIGHT_PICK) const uint LIGHT_PICK = LIGHT_PICK_LIST;
 layout(constant_id = SPEC_HEMISPHERE) const uint HEMISPHERE = HEMISPHERE_COSINE;
 layout(constant_id = SPEC_ROULETTE) const uint ROULETTE = ROULETTE_THROUGHPUT;
 layout(constant_id = SPEC_TESTS_A_VISIT) const uint TESTS_A_VISIT = 0u;

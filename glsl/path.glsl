@@ -17,8 +17,10 @@
 #include "shading/bsdf.glsl"
 #include "shading/interaction.glsl"
 #include "shading/light.glsl"
+#include "shading/light_tree.glsl"
 
-// Iterations that shading may spend in loops: the search for a light among at most 2^31.
+// Iterations that shading may spend in loops: the search for a light among at most 2^31, or two descents of the light tree, for
+// the light that a ray met and for the next light sample, of LIGHT_TREE_LEVELS each.
 const uint SHADING_STEPS = 34u;
 
 // Steps set aside for the loops that load and save the stack and add to the counters, should a driver not unroll them: all
@@ -70,7 +72,8 @@ struct Departure {
 };
 
 // Weight of emission that the extension ray meets under the cosine `cosine`.
-float emission_weight(Path path, Interaction it, float cosine) {
+// `chosen` is the probability with which its light tree, if there is one, would have chosen that light for where the ray started.
+float emission_weight(Path path, Interaction it, float cosine, float chosen) {
     if (path.specular || LIGHTS == LIGHTS_BSDF) {
         return 1.0;
     }
@@ -79,7 +82,8 @@ float emission_weight(Path path, Interaction it, float cosine) {
     }
     precise vec3 between = it.p - path.o;
     precise float distance2 = between.x * between.x + between.y * between.y + between.z * between.z;
-    return power_heuristic(path.pdf, light_pdf(it.pdf_area, distance2, cosine));
+    precise float pdf_area = it.pdf_area * (LIGHT_PICK == LIGHT_PICK_TREE ? chosen : 1.0);
+    return power_heuristic(path.pdf, light_pdf(pdf_area, distance2, cosine));
 }
 
 // Survival probability per throughput: a path is at stake once its throughput is below a fifth. Of 1 to 8, 3 to 5 gave the
@@ -126,8 +130,23 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
     }
     vec3 wo = normalize(-path.d);
     Interaction it = make_interaction(hit, wo);
-    if (HAS_EMITTERS != 0u && it.pdf_area > 0.0 && it.front) {
-        float weight = emission_weight(path, it, dot(it.ng, wo));
+    bool lambert = it.material.kind == MATERIAL_LAMBERT;
+    bool emits = HAS_EMITTERS != 0u && it.pdf_area > 0.0 && it.front;
+    bool lit = HAS_EMITTERS != 0u && LIGHTS != LIGHTS_BSDF && lambert && push.light_count > 0u;
+    LightAnswer tree = LightAnswer(0u, LightChoice(0u, 0u, 1u));
+    if (LIGHT_PICK == LIGHT_PICK_TREE) {
+        LightQuestion question;
+        question.met = emits && LIGHTS == LIGHTS_MIS && !path.specular;
+        question.trail = it.light_trail;
+        question.from = LitPoint(path.o, path.normal);
+        question.picks = lit && path.bounce < push.max_bounces;
+        question.word = random_pair(pixel_key, path.samples_done, pair_number(path.bounce + 1u, PAIR_LIGHT_POINT)).x;
+        question.lit = LitPoint(spawn_origin(it, it.ng), encode_octahedral(it.ns));
+        tree = ask_light_tree(question, tally.steps);
+        path.normal = question.lit.normal;
+    }
+    if (emits) {
+        float weight = emission_weight(path, it, dot(it.ng, wo), light_tree_probability(tree.met_words));
         precise vec3 sum = path.radiance + path.throughput * (it.material.emission * weight);
         path.radiance = sum;
         note_cause(path, is_invalid(sum, MAX_SAMPLE_RADIANCE_BITS), CAUSE_EMISSION);
@@ -142,11 +161,20 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
     BsdfSample sampled = sample_bsdf(it, wo, direction, choices.x);
     departure.o = spawn_origin(it, sampled.transmitted ? -it.ng : it.ng);
     departure.triangle = hit.triangle;
-    bool lambert = it.material.kind == MATERIAL_LAMBERT;
-    if (HAS_EMITTERS != 0u && LIGHTS != LIGHTS_BSDF && lambert && push.light_count > 0u) {
+    if (lit) {
         uvec2 point = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_LIGHT_POINT));
-        Light light = fetch_light(pick_light(point.x, tally.steps));
-        vec2 place = vec2(place_in_share(light.cdf_begin, light.cdf_scale, point.x), unit_float(point.y));
+        Light light;
+        vec2 place = vec2(0.0, unit_float(point.y));
+        if (LIGHT_PICK == LIGHT_PICK_TREE) {
+            uvec2 digits = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_LIGHT_DIGITS));
+            light = fetch_light(tree.choice.light);
+            precise float chosen = light.pdf_area * light_tree_probability(tree.choice.words);
+            light.pdf_area = chosen;
+            place.x = place_in_words(tree.choice, unit_float(digits.x));
+        } else {
+            light = fetch_light(pick_light(point.x, tally.steps));
+            place.x = place_in_share(light.cdf_begin, light.cdf_scale, point.x);
+        }
         LightSample arriving = sample_light(it, departure.o, light, place);
         precise vec3 pending = path.throughput * arriving.radiance;
         path.pending = pending;

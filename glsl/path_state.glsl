@@ -27,6 +27,7 @@ struct Path {
     vec3 throughput;       // Of the extension ray.
     vec3 radiance;         // Gathered by this sample so far.
     float pdf;             // Density of the extension ray's direction.
+    uint normal;           // With a light tree: the shading normal that the ray left, octahedral.
     float eta_scale;       // Product of squared relative indices: throughput * eta_scale has no refraction scaling.
     uint skip, skip_too;   // Triangles that the ray cannot hit (leaf order).
     uint cause;            // CAUSE_ value: the first stage of this sample whose numbers were invalid.
@@ -94,6 +95,9 @@ void store_path(Path path, uint pixel) {
         store_uvec2(34u, pixel, traversal.queued);
     }
     path_words[state_word(36u, pixel)] = traversal.stack_size;
+    if (LIGHT_PICK == LIGHT_PICK_TREE) {
+        path_words[state_word(37u, pixel)] = path.normal;
+    }
     // Constant bounds keep the stack in registers (traversal.glsl).
     for (uint i = 0u; i < STACK_ENTRIES; i++) {
         if (i < traversal.stack_size) {
@@ -121,6 +125,10 @@ Path load_path(uint pixel) {
     path.eta_scale = uintBitsToFloat(path_words[state_word(22u, pixel)]);
     path.skip = path_words[state_word(23u, pixel)];
     path.skip_too = path_words[state_word(24u, pixel)];
+    path.normal = 0u;
+    if (LIGHT_PICK == LIGHT_PICK_TREE) {
+        path.normal = path_words[state_word(37u, pixel)];
+    }
     Traversal traversal;
     traversal.best.key = uintBitsToFloat(path_words[state_word(25u, pixel)]);
     traversal.best.id = path_words[state_word(26u, pixel)];

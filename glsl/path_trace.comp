@@ -95,6 +95,7 @@ void main() {
         path.extends = false;
         path.samples_done = 0u;
         path.cause = CAUSE_SUM;
+        path.normal = 0u;
         path.traversal = begin_traversal(no_hit(), vec3(0.0), vec3(0.0)); // nothing to search yet
         open_sum = push.first_sample % BLOCK_SAMPLES == 0u ? uvec4(0u) : open_sums[tile_pixel];
     } else {

@@ -9,6 +9,7 @@
 #include "effects.glsl"
 #include "records/camera.glsl"
 #include "records/light.glsl"
+#include "records/light_node.glsl"
 #include "records/material.glsl"
 #include "records/node.glsl"
 #include "records/surface.glsl"
@@ -68,6 +69,12 @@ void main() {
         fields[3] = uvec4(bits(light.ng), light.cdf_begin);
         fields[4] = uvec4(bits(light.emission), floatBitsToUint(light.cdf_scale));
         fields[5] = uvec4(fetch_light_cdf_end(index), 0u, 0u, 0u);
+    } else if (push.flags == BINDING_LIGHT_NODES) {
+        // A record is a cluster here, of which a node has four.
+        LightCluster cluster = fetch_light_cluster(index >> 2, index & 3u);
+        fields[0] = uvec4(bits(cluster.centre), floatBitsToUint(cluster.radius));
+        fields[1] = uvec4(bits(cluster.axis), floatBitsToUint(cluster.cos_o));
+        fields[2] = uvec4(floatBitsToUint(cluster.power), cluster.child, cluster.count, 0u);
     } else if (push.flags == BINDING_CAMERA) {
         Camera camera = fetch_camera();
         fields[0] = uvec4(bits(camera.origin), camera.filter_kind);

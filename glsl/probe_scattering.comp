@@ -13,6 +13,10 @@
 //   8  disc_point: [radius, cosine, sine]               -> [point]
 //   9  ggx_value_cosine, ggx_pdf: [wo, alpha] [wi]      -> [value, value with wo and wi exchanged, pdf of wi]
 //  10  reflect_about of wo, b.x times, about normals of its own -> [wi, |wi|^2]
+//  11  ask_light_tree for a light: [p, word] [n]       -> words: [light, place, words, steps]
+//  12  ask_light_tree of a light: [p, trail] [n]       -> words: [words, steps]
+//  13  both at once, `trail` from the first point: [p, word] [n, trail] [p, .] -> words: [light, place, words, words of trail]
+//  14  place_in_words: [digits, place, words]          -> [place]
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -23,6 +27,7 @@
 #include "sampling/warp.glsl"
 #include "shading/fresnel.glsl"
 #include "shading/light.glsl"
+#include "shading/light_tree.glsl"
 #include "shading/microfacet.glsl"
 
 layout(local_size_x = 64) in;
@@ -38,6 +43,7 @@ Interaction flat_interaction(vec3 p, vec3 n, bool front, Material material) {
     it.ns = n;
     it.front = front;
     it.pdf_area = 0.0;
+    it.light_trail = 0u;
     it.material = material;
     return it;
 }
@@ -122,6 +128,28 @@ void main() {
         }
         precise float length2 = w.x * w.x + w.y * w.y + w.z * w.z;
         result = vec4(w, length2);
+    }
+    if (push.flags == 11u) {
+        uint steps = 0u;
+        LitPoint lit = LitPoint(a.xyz, encode_octahedral(b.xyz));
+        LightChoice choice = ask_light_tree(LightQuestion(false, 0u, lit, true, words.w, lit), steps).choice;
+        probe_output[2u * index] = uvec4(choice.light, choice.place, choice.words, steps);
+        return;
+    } else if (push.flags == 12u) {
+        uint steps = 0u;
+        LitPoint from = LitPoint(a.xyz, encode_octahedral(b.xyz));
+        LightAnswer answer = ask_light_tree(LightQuestion(true, words.w, from, false, 0u, from), steps);
+        probe_output[2u * index] = uvec4(answer.met_words, steps, 0u, 0u);
+        return;
+    } else if (push.flags == 13u) {
+        uint steps = 0u;
+        LitPoint from = LitPoint(a.xyz, encode_octahedral(b.xyz));
+        LitPoint lit = LitPoint(c.xyz, encode_octahedral(b.xyz));
+        LightAnswer answer = ask_light_tree(LightQuestion(true, second.w, from, true, words.w, lit), steps);
+        probe_output[2u * index] = uvec4(answer.choice.light, answer.choice.place, answer.choice.words, answer.met_words);
+        return;
+    } else if (push.flags == 14u) {
+        result.x = place_in_words(LightChoice(0u, words.y, words.z), a.x);
     }
     probe_output[2u * index] = floatBitsToUint(result);
     probe_output[2u * index + 1u] = floatBitsToUint(more);

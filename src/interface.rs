@@ -16,8 +16,8 @@ pub const BINARY_NODE_TEXELS: u32 = 2;
 /// `texels/wide_node.rs`.
 pub const WIDE_NODE_TEXELS: u32 = 5;
 /// Triangle in leaf order: `[v0.xyz, id]`, `[v1.xyz, flags]`, `[v2.xyz, pdf_area]`. `id` is the position in file order,
-/// `flags` the `TRIANGLE_*` bits, `pdf_area` the density per unit area with which light sampling chooses a point on it, 0
-/// where it does not emit.
+/// `flags` the `TRIANGLE_*` bits and above them its way through the light tree, `pdf_area` the density per unit area with
+/// which light sampling chooses a point on it (with a light tree: once it has chosen the light), 0 where it does not emit.
 pub const TRIANGLE_TEXELS: u32 = 3;
 /// Surface of a triangle, read once a hit is shaded: `[ng.xyz, material]`; `ng` is the unit geometric normal, the
 /// side from which the corners turn counter-clockwise.
@@ -29,8 +29,15 @@ pub const MATERIAL_TEXELS: u32 = 2;
 /// Light (one emissive triangle), all that a light sample needs in one place: `[v0.xyz, cdf_end]`, `[v1.xyz, triangle]`,
 /// `[v2.xyz, pdf_area]`, `[ng.xyz, cdf_begin]`, `[emission.rgb, cdf_scale]`. `cdf_begin` and `cdf_end` are the first and the
 /// last 32-bit random number of its share, `cdf_scale` one over how many there are; `triangle` is its leaf-order index,
-/// `pdf_area` the density per unit area (scaled units) with which a point on it is chosen.
+/// `pdf_area` the density per unit area (scaled units) with which a point on it is chosen, or with a light tree, which has
+/// shares of its own, one over its area.
 pub const LIGHT_TEXELS: u32 = 5;
+/// Node of the light tree: `LIGHT_TREE_CHILDREN` clusters of lights, two texels each, `[centre.xyz, spread]`,
+/// `[axis, power, child, count]`. `centre` and radius are a ball around them: `spread` has the radius, a float's upper 16
+/// bits, above the cosine of half the angle of a cone around their normals, a 16-bit word from -1 to 1. `axis` is that
+/// cone's, octahedral (`glsl/sampling/octahedral.glsl`); `power` their share of the scene's, a float; `count` how many they
+/// are, 0 for no cluster (only after others); `child` the light where that is 1, otherwise the node below.
+pub const LIGHT_NODE_TEXELS: u32 = 8;
 /// Camera: `[origin.xyz, filter_kind]`, `[forward.xyz, width]`, `[right.xyz, height]`, `[down.xyz, 0]`. A camera ray
 /// through the film point (x, y), in pixels from the upper left corner, has the direction
 /// `forward + (x - width / 2) right + (y - height / 2) down`; width and height are floats.
@@ -50,6 +57,14 @@ pub const NO_INDEX: u32 = 0xffff_ffff;
 pub const TRIANGLE_EMITS: u32 = 1;
 /// Triangle flag: it has a record of corners, with vertex normals to interpolate.
 pub const TRIANGLE_SMOOTH: u32 = 2;
+/// A triangle's way through the light tree stands in its flags from this bit on, two bits a level, the root's lowest.
+pub const TRIANGLE_TRAIL_SHIFT: u32 = 4;
+/// Clusters of a node of the light tree; a level of a trail has two bits, so it is 4.
+pub const LIGHT_TREE_CHILDREN: u32 = 4;
+/// Deepest light tree: `LIGHT_TREE_CHILDREN` to this power is as many lights as there may be triangles, 2^28.
+pub const LIGHT_TREE_LEVELS: u32 = 14;
+/// Words that the light tree shares out.
+pub const LIGHT_TREE_WORDS: u32 = 1 << 31;
 /// Triangles that one child of a wide node may hold.
 pub const WIDE_LEAF_TRIANGLES: u32 = 3;
 /// Children of a wide node.
@@ -92,20 +107,22 @@ pub const BINDING_CAMERA: u32 = 6;
 pub const BINDING_FILTER: u32 = 7;
 /// The table of random numbers of the `table` sampler.
 pub const BINDING_RANDOM: u32 = 8;
+/// Nodes of the light tree; absent where lights are chosen from a list.
+pub const BINDING_LIGHT_NODES: u32 = 9;
 /// Number of record buffers: bindings `0 .. RECORD_BINDINGS`.
-pub const RECORD_BINDINGS: u32 = 9;
+pub const RECORD_BINDINGS: u32 = 10;
 /// Distance from a record buffer's texel binding to its storage-buffer twin.
-pub const STORAGE_TWIN: u32 = 9;
+pub const STORAGE_TWIN: u32 = 10;
 /// Path states of the tile (storage).
-pub const BINDING_PATHS: u32 = 18;
+pub const BINDING_PATHS: u32 = 20;
 /// Open sums of the tile, four words a pixel: `[sum.rgb, count]` (storage).
-pub const BINDING_SUMS: u32 = 19;
+pub const BINDING_SUMS: u32 = 21;
 /// Counters of a dispatch (storage), the `COUNTER_*` words.
-pub const BINDING_COUNTERS: u32 = 20;
+pub const BINDING_COUNTERS: u32 = 22;
 /// Input of a probe kernel, as texels (tests and self-tests only).
-pub const BINDING_PROBE_INPUT: u32 = 21;
+pub const BINDING_PROBE_INPUT: u32 = 23;
 /// Output of a probe kernel (storage; tests and self-tests only).
-pub const BINDING_PROBE_OUTPUT: u32 = 22;
+pub const BINDING_PROBE_OUTPUT: u32 = 24;
 
 // ---- Counters -----------------------------------------------------------------------------------------------------
 
@@ -161,7 +178,7 @@ pub const CAUSES: u32 = 8;
 // ---- Path state, one word a field and pixel: word `field * tile_pixels + pixel` -----------------------------------
 
 /// Words of a path state without its traversal stack; the stack follows, two words an entry.
-pub const PATH_WORDS: u32 = 37;
+pub const PATH_WORDS: u32 = 38;
 /// Words of one entry of the traversal stack.
 pub const STACK_ENTRY_WORDS: u32 = 2;
 
@@ -193,6 +210,8 @@ pub const SPEC_REFILL_EIGHTHS: u32 = 10;
 pub const SPEC_WITHOUT_GUARD: u32 = 11;
 /// Triangles that a lane tests between two node visits of its vector, the rest waiting for the next: 1 or 2, or 0 for all.
 pub const SPEC_TESTS_A_VISIT: u32 = 12;
+/// The `LIGHT_PICK_*` value.
+pub const SPEC_LIGHT_PICK: u32 = 13;
 /// First effect switch; effect `e` has the constant `SPEC_EFFECTS + e`, 1 where it is on.
 pub const SPEC_EFFECTS: u32 = 32;
 
@@ -236,6 +255,11 @@ pub const LIGHTS_MIS: u32 = 0;
 pub const LIGHTS_AREA: u32 = 1;
 /// Light is gathered by BSDF sampling alone.
 pub const LIGHTS_BSDF: u32 = 2;
+
+/// A light is chosen from a list, with a probability of its own.
+pub const LIGHT_PICK_LIST: u32 = 0;
+/// A light is chosen by what it may contribute to the point that is lit, by a descent of the light tree.
+pub const LIGHT_PICK_TREE: u32 = 1;
 
 /// Cosine-weighted directions.
 pub const HEMISPHERE_COSINE: u32 = 0;
@@ -331,6 +355,10 @@ guards! {
     Rescale, GUARD_RESCALE = 37, case 70: "The scene is scaled so that its extent lies in [1, 2) (host)";
     StackDepth, GUARD_STACK_DEPTH = 38, case 26: "The traversal stack is as deep as the tree, by the builder's bound (host)";
     DropDegenerate, GUARD_DROP_DEGENERATE = 39, case 18: "Triangles without area are dropped at load (host)";
+    LightFloor, GUARD_LIGHT_FLOOR = 40, case 43: "Each light below a node of the light tree keeps one word of the node's at least";
+    ClusterSpread, GUARD_CLUSTER_SPREAD = 41, case 43: "A cluster of lights counts by the best direction that it subtends, not by its centre's";
+    ClusterDistance, GUARD_CLUSTER_DISTANCE = 42, case 38: "A cluster of lights counts as no nearer than its own radius";
+    ClusterShare, GUARD_CLUSTER_SHARE = 43, case 44: "A faint cluster beside a bright one keeps a share by how many lights it has";
 }
 
 // ---- Push constants: byte offsets ---------------------------------------------------------------------------------
@@ -372,6 +400,10 @@ pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
     ("BINARY_NODE_TEXELS", BINARY_NODE_TEXELS), ("WIDE_NODE_TEXELS", WIDE_NODE_TEXELS),
     ("TRIANGLE_TEXELS", TRIANGLE_TEXELS), ("SURFACE_TEXELS", SURFACE_TEXELS), ("CORNERS_TEXELS", CORNERS_TEXELS),
     ("MATERIAL_TEXELS", MATERIAL_TEXELS), ("LIGHT_TEXELS", LIGHT_TEXELS), ("CAMERA_TEXELS", CAMERA_TEXELS),
+    ("LIGHT_NODE_TEXELS", LIGHT_NODE_TEXELS), ("TRIANGLE_TRAIL_SHIFT", TRIANGLE_TRAIL_SHIFT),
+    ("LIGHT_TREE_LEVELS", LIGHT_TREE_LEVELS), ("LIGHT_TREE_WORDS", LIGHT_TREE_WORDS),
+    ("BINDING_LIGHT_NODES", BINDING_LIGHT_NODES), ("SPEC_LIGHT_PICK", SPEC_LIGHT_PICK),
+    ("LIGHT_PICK_LIST", LIGHT_PICK_LIST), ("LIGHT_PICK_TREE", LIGHT_PICK_TREE),
     ("FILTER_ENTRIES", FILTER_ENTRIES), ("RANDOM_TABLE_TEXELS", RANDOM_TABLE_TEXELS), ("PAIRS_PER_BOUNCE", PAIRS_PER_BOUNCE),
     ("NO_INDEX", NO_INDEX), ("TRIANGLE_EMITS", TRIANGLE_EMITS), ("TRIANGLE_SMOOTH", TRIANGLE_SMOOTH),
     ("WIDE_LEAF_TRIANGLES", WIDE_LEAF_TRIANGLES), ("WIDE_CHILDREN", WIDE_CHILDREN),

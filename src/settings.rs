@@ -63,7 +63,7 @@ impl Settings {
             builder: Builder::default(),
             intersector: Intersector::default(),
             lights: Lights::default(),
-            light_pick: LightPick::default(),
+            light_pick: LightPick::for_lights(scene.emissive_triangles()),
             hemisphere: Hemisphere::default(),
             roulette: Roulette::default(),
             buffers: Buffers::default(),
@@ -127,6 +127,18 @@ pub enum LightPick {
     Power,
     /// In proportion to area, as in the thesis.
     Area,
+    /// By what each may contribute to the point that is lit: a descent of a tree over the lights.
+    Tree,
+}
+
+/// From as many emissive triangles on, a light is chosen by the light tree; measured in docs/performance.md.
+const TREE_FROM_LIGHTS: usize = 16;
+
+impl LightPick {
+    /// The default for as many emissive triangles.
+    pub fn for_lights(lights: usize) -> LightPick {
+        if lights >= TREE_FROM_LIGHTS { LightPick::Tree } else { LightPick::Power }
+    }
 }
 
 /// How diffuse directions are drawn.

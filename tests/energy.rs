@@ -79,7 +79,7 @@ fn furnaces_of_every_estimator_agree() {
                 }
             }
         }
-        for light_pick in [LightPick::Power, LightPick::Area] {
+        for light_pick in [LightPick::Power, LightPick::Area, LightPick::Tree] {
             let settings = Settings { light_pick, ..base.clone() };
             assert_mean(&scene, &settings, expected, &format!("furnace {albedo}, {light_pick:?}"));
         }
@@ -157,7 +157,7 @@ fn lights_of_unlike_power_add_up() {
     builder.quad([0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], dim);
     builder.quad([-1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], bright);
     let scene = builder.finish(camera([0.0, 0.9, -3.0], [0.0; 3], 1e-3), None);
-    for light_pick in [LightPick::Power, LightPick::Area] {
+    for light_pick in [LightPick::Power, LightPick::Area, LightPick::Tree] {
         let settings = Settings { light_pick, max_bounces: 1, ..plain_settings(&scene, 32, 32, 512) };
         assert_mean(&scene, &settings, 0.5 * 0.138531606 * 17.0, &format!("two lights, by {light_pick:?}"));
     }

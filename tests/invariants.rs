@@ -101,8 +101,10 @@ fn estimators_agree() {
         agree(&reference, &tiles(&scene, &Settings { hemisphere, ..base.clone() }, false), hemisphere)?;
         let roulette = Roulette::Off;
         agree(&reference, &tiles(&scene, &Settings { roulette, ..base.clone() }, false), roulette)?;
-        let light_pick = LightPick::Area;
-        agree(&reference, &tiles(&scene, &Settings { light_pick, ..base.clone() }, false), light_pick)
+        for light_pick in [LightPick::Area, LightPick::Tree] {
+            agree(&reference, &tiles(&scene, &Settings { light_pick, ..base.clone() }, false), light_pick)?;
+        }
+        Ok(())
     });
 }
 

@@ -15,6 +15,7 @@ use texray::interface::*;
 use texray::scene::Scene;
 use texray::settings::{Buffers, LightPick, Settings};
 use texray::texels::light::build_lights;
+use texray::texels::light_cone::decode_octahedral;
 use texray::texels::{Texel, TexelData, camera, triangle};
 
 /// Texels that the probe writes a record.
@@ -216,6 +217,38 @@ fn lights_the_camera_and_the_filter() {
     let entries: Vec<_> = table.iter().flatten().map(|&entry| padded(&[[entry, 0, 0, 0]])).collect();
     assert_eq!(entries.len(), FILTER_ENTRIES as usize);
     check(&scene, &accel, BINDING_FILTER, &entries, "filter entry");
+}
+
+/// Clusters of the light tree, each a record here; what they mean is held against the lights in `src/texels/light_tree.rs`.
+#[test]
+fn clusters_of_the_light_tree() {
+    let mut scene = scene();
+    scene.materials.iter_mut().for_each(|material| material.emission = [1.0; 3]);
+    let settings = Settings::for_scene(&scene);
+    assert_eq!(settings.light_pick, LightPick::Tree);
+    let data = TexelData::pack(&scene, &Accel::brute(), &settings).expect("the scene can be packed");
+    let clusters: Vec<_> = data
+        .light_nodes
+        .as_chunks::<2>()
+        .0
+        .iter()
+        .map(|&[[x, y, z, spread], [_, power, child, count]]| {
+            let cosine = f64::from(spread & 0xffff) / 32_767.5 - 1.0;
+            padded(&[[x, y, z, spread & 0xffff_0000], [0, 0, 0, (cosine as f32).to_bits()], [power, child, count, 0]])
+        })
+        .collect();
+    assert!(clusters.len() > 1000);
+    for buffers in [Buffers::Texel, Buffers::Storage] {
+        let found = fetched(&scene, &Accel::brute(), buffers, BINDING_LIGHT_NODES, clusters.len());
+        for (i, (found, expected)) in found.iter().zip(&clusters).enumerate() {
+            assert_eq!([found[0], found[2]], [expected[0], expected[2]], "cluster {i}");
+            // Decoded with a few roundings: the axis within 1e-6, the cosine within one of 2^-24.
+            let near = |a: u32, b: f64, most: f64| (f64::from(f32::from_bits(a)) - b).abs() <= most;
+            assert!(near(found[1][3], f64::from(f32::from_bits(expected[1][3])), 1.2e-7), "cosine of {i}");
+            let axis = decode_octahedral(data.light_nodes[2 * i + 1][0]).to_array();
+            assert!((0..3).all(|lane| near(found[1][lane], axis[lane], 1e-6)), "axis of {i}");
+        }
+    }
 }
 
 /// A float that holds an integer's bits may be flushed or made quiet on its way: lanes are integers, so nothing is.

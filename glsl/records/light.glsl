@@ -10,7 +10,7 @@ struct Light {
     uint cdf_end;    // the last one,
     float cdf_scale; // and one over how many there are.
     uint triangle;   // Its triangle, in leaf order.
-    float pdf_area;  // Probability of the light times density per unit area of a point on it.
+    float pdf_area;  // Probability of the light times density per unit area of a point on it; the latter alone with a light tree.
     vec3 ng;         // Unit geometric normal; it emits on this side.
     vec3 emission;   // Radiance, scaled.
 };

@@ -14,6 +14,7 @@ const uint PAIR_LENS = 1u;       // camera: place on the lens
 const uint PAIR_DIRECTION = 0u;  // bounce: BSDF direction
 const uint PAIR_LIGHT_POINT = 1u; // bounce: which light, and the point on it
 const uint PAIR_CHOICES = 2u;    // bounce: which lobe; roulette
+const uint PAIR_LIGHT_DIGITS = 3u; // bounce: with a light tree, the last digits of the point's first coordinate
 
 // Number of a pair of the camera (`stage` 0) or of bounce `stage` - 1.
 uint pair_number(uint stage, uint purpose) {

@@ -17,7 +17,8 @@ struct Interaction {
     vec3 ng;        // Unit geometric normal, on wo's side.
     vec3 ns;        // Unit shading normal, on wo's side of the geometry and with dot(ns, wo) > 0.
     bool front;     // Whether wo is on the front.
-    float pdf_area; // Density per unit area of light sampling at p; 0 where the triangle does not emit.
+    float pdf_area; // Density per unit area of light sampling at p, its light tree's choice aside; 0 where the triangle does not emit.
+    uint light_trail; // Its triangle's way through the light tree.
     Material material;
 };
 
@@ -75,6 +76,7 @@ Interaction make_interaction(Hit hit, vec3 wo) {
         it.ns = shading_normal(hit.triangle, hit.b1, hit.b2, it.ng, it.front, wo);
     }
     it.pdf_area = triangle.pdf_area;
+    it.light_trail = triangle.flags >> TRIANGLE_TRAIL_SHIFT;
     it.material = fetch_material(surface.material);
     return it;
 }

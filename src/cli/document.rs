@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use texray::render::{Buffers, Bytes, RenderReport, Settings, StageSeconds, StopReason};
+use texray::render::{Buffers, Bytes, LightPick, RenderReport, Settings, StageSeconds, StopReason};
 use texray::scene::Scene;
 
 use super::engine::DeviceLine;
@@ -27,6 +27,7 @@ pub struct Document<'a> {
     seed: u64,
     triangles: usize,
     effects: &'a [&'static str],
+    light_pick: LightPick,
     buffers: Buffers,
     stop_reason: StopReason,
     seconds: StageSeconds,
@@ -98,6 +99,7 @@ impl<'a> Document<'a> {
             seed: settings.seed,
             triangles: scene.triangles.len(),
             effects: &report.effects,
+            light_pick: settings.light_pick,
             buffers: report.buffers,
             stop_reason: report.stop_reason,
             seconds: report.seconds,

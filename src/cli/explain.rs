@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 use texray::Result;
-use texray::render::Effect;
+use texray::render::{Effect, LightPick};
 use texray::scene::{Filter, Scene};
 
 use super::engine;
-use super::settings::{EffectsChoice, SettingsArgs};
+use super::settings::{EffectsChoice, SettingsArgs, name};
 use super::{Outcome, streams};
 
 /// Print the effects that a scene calls for, each with the reason
@@ -35,6 +35,8 @@ struct Document {
     scene: String,
     triangles: usize,
     effects: Vec<Effect>,
+    emissive_triangles: usize,
+    light_pick: LightPick,
 }
 
 impl ExplainArgs {
@@ -45,13 +47,24 @@ impl ExplainArgs {
             streams::say(&format!("warning: {warning}"));
         }
         let arguments = SettingsArgs::of_effects(self.filter, self.effects);
-        let effects: Vec<_> = engine::effects(&scene, &arguments.settings(&scene)?).iter().cloned().collect();
+        let settings = arguments.settings(&scene)?;
+        let effects: Vec<_> = engine::effects(&scene, &settings).iter().cloned().collect();
+        let (emissive_triangles, light_pick) = (scene.emissive_triangles(), settings.light_pick);
         if self.json {
-            let document = Document { schema: 1, scene: scene.name.clone(), triangles: scene.triangles.len(), effects };
+            let document = Document {
+                schema: 1,
+                scene: scene.name.clone(),
+                triangles: scene.triangles.len(),
+                effects,
+                emissive_triangles,
+                light_pick,
+            };
             streams::answer_json(&document)?;
             return Ok(Outcome::Done);
         }
-        streams::answer(&table(&effects).join("\n"))?;
+        let mut lines = table(&effects);
+        lines.push(format!("light pick: {}, for {emissive_triangles} emissive triangles", name(&light_pick)));
+        streams::answer(&lines.join("\n"))?;
         Ok(Outcome::Done)
     }
 }

@@ -61,9 +61,9 @@ pub struct SettingsArgs {
     /// How light is gathered
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     lights: Lights,
-    /// How one of several lights is chosen
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
-    light_pick: LightPick,
+    /// How one of several lights is chosen [default: by power, from 16 emissive triangles on by the tree]
+    #[arg(long, value_enum, help_heading = "Method")]
+    light_pick: Option<LightPick>,
     /// How diffuse directions are drawn
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     hemisphere: Hemisphere,
@@ -111,7 +111,7 @@ impl SettingsArgs {
             builder: self.builder,
             intersector: self.intersector,
             lights: self.lights,
-            light_pick: self.light_pick,
+            light_pick: self.light_pick.unwrap_or(defaults.light_pick),
             hemisphere: self.hemisphere,
             roulette: self.roulette,
             buffers: self.buffers,

@@ -11,7 +11,7 @@ use crate::render::Tuning;
 use crate::render::effects::Effects;
 use crate::render::guard::Guard;
 use crate::render::tiles::Tile;
-use crate::settings::{AccelKind, Buffers, Hemisphere, Intersector, Lights, Roulette, Sampler, Settings};
+use crate::settings::{AccelKind, Buffers, Hemisphere, Intersector, LightPick, Lights, Roulette, Sampler, Settings};
 
 /// Workgroup of 8 x 8 pixels: neighbours trace alike, and no shape was faster on lavapipe.
 pub const WORKGROUP: [u32; 2] = [8, 8];
@@ -69,6 +69,7 @@ pub fn path_tracer(
         (SPEC_INTERSECTOR, intersector_value(settings.intersector)),
         (SPEC_SAMPLER, sampler_value(settings.sampler)),
         (SPEC_LIGHTS, lights_value(settings.lights)),
+        (SPEC_LIGHT_PICK, light_pick_value(settings.light_pick)),
         (SPEC_HEMISPHERE, hemisphere_value(settings.hemisphere)),
         (SPEC_ROULETTE, roulette_value(settings.roulette).0),
         (SPEC_REFILL_EIGHTHS, tuning.refill_eighths.unwrap_or(REFILL_EIGHTHS)),
@@ -199,6 +200,13 @@ fn lights_value(lights: Lights) -> u32 {
         Lights::Mis => LIGHTS_MIS,
         Lights::Area => LIGHTS_AREA,
         Lights::Bsdf => LIGHTS_BSDF,
+    }
+}
+
+fn light_pick_value(pick: LightPick) -> u32 {
+    match pick {
+        LightPick::Power | LightPick::Area => LIGHT_PICK_LIST,
+        LightPick::Tree => LIGHT_PICK_TREE,
     }
 }
 

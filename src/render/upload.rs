@@ -7,8 +7,8 @@
 use crate::error::Result;
 use crate::gpu::{Buffer, BufferUse, Context, Ledger, Memory, Resource, TexelBuffer, Uploader};
 use crate::interface::{
-    BINDING_CAMERA, BINDING_CORNERS, BINDING_FILTER, BINDING_LIGHTS, BINDING_MATERIALS, BINDING_NODES, BINDING_RANDOM,
-    BINDING_SURFACES, BINDING_TRIANGLES, STORAGE_TWIN,
+    BINDING_CAMERA, BINDING_CORNERS, BINDING_FILTER, BINDING_LIGHT_NODES, BINDING_LIGHTS, BINDING_MATERIALS,
+    BINDING_NODES, BINDING_RANDOM, BINDING_SURFACES, BINDING_TRIANGLES, STORAGE_TWIN,
 };
 use crate::settings::Buffers;
 use crate::texels::{Texel, TexelData};
@@ -23,7 +23,7 @@ pub struct GpuScene {
 /// A record kind: binding, buffer name, texels, and what the renderer wants it for.
 type Record<'a> = (u32, &'static str, &'a [Texel], &'static str);
 
-fn records(data: &TexelData) -> [Record<'_>; 9] {
+fn records(data: &TexelData) -> [Record<'_>; 10] {
     [
         (BINDING_NODES, "nodes", &data.nodes, "boxes of the tree, read at every node visit"),
         (BINDING_TRIANGLES, "triangles", &data.triangles, "corner positions, read at every triangle test"),
@@ -34,6 +34,7 @@ fn records(data: &TexelData) -> [Record<'_>; 9] {
         (BINDING_CAMERA, "camera", &data.camera, "pose and picture size, read once an invocation"),
         (BINDING_FILTER, "filter", &data.filter, "inverse distribution of the pixel filter, read once a path"),
         (BINDING_RANDOM, "random", &data.random, "numbers of the table sampler, read at every bounce"),
+        (BINDING_LIGHT_NODES, "light nodes", &data.light_nodes, "clusters of lights, read on the way to a light"),
     ]
 }
 

@@ -67,6 +67,13 @@ pub struct Scene {
     pub report: LoadReport,
 }
 
+impl Scene {
+    /// Number of triangles whose material emits.
+    pub fn emissive_triangles(&self) -> usize {
+        self.triangles.iter().filter(|triangle| self.materials[triangle.material as usize].emits()).count()
+    }
+}
+
 /// One triangle in scaled units. Its front is the side from which the positions turn counter-clockwise.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {

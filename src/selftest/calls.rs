@@ -9,7 +9,7 @@ use crate::Result;
 use crate::bvh::Accel;
 use crate::interface::{SAMPLER_INDEPENDENT, SAMPLER_SOBOL, SAMPLER_TABLE, SPEC_SAMPLER};
 use crate::scene::{Filter, Scene};
-use crate::settings::{Buffers, Sampler, Settings};
+use crate::settings::{Buffers, LightPick, Sampler, Settings};
 use crate::texels::{Texel, TexelData};
 
 /// Number `index` of the pixels of a picture `side` wide, as the samplers take a pixel: x | y << 16.
@@ -32,6 +32,8 @@ pub struct Calls<'a> {
     pub scene: Option<&'a Scene>,
     /// Random-number scheme.
     pub sampler: Sampler,
+    /// How lights are chosen; none: as for a render of the scene.
+    pub light_pick: Option<LightPick>,
     /// Pixel filter whose table is bound.
     pub filter: Filter,
     /// First sample of the run: its block decides the replicate.
@@ -54,6 +56,7 @@ impl<'a> Calls<'a> {
             function,
             scene: None,
             sampler: Sampler::Independent,
+            light_pick: None,
             filter: Filter::Box,
             first_sample: 0,
             calls: input.len() as u32,
@@ -68,7 +71,9 @@ impl<'a> Calls<'a> {
         let empty = nothing();
         let scene = self.scene.unwrap_or(&empty);
         let accel = Accel::brute();
-        let settings = Settings { sampler: self.sampler, filter: self.filter, ..Settings::for_scene(scene) };
+        let defaults = Settings::for_scene(scene);
+        let light_pick = self.light_pick.unwrap_or(defaults.light_pick);
+        let settings = Settings { sampler: self.sampler, filter: self.filter, light_pick, ..defaults };
         let data = TexelData::pack(scene, &accel, &settings)?;
         let sampler = match self.sampler {
             Sampler::Sobol => SAMPLER_SOBOL,

@@ -17,6 +17,7 @@ pub mod faults;
 pub mod finding;
 pub mod form_factors;
 pub mod furnaces;
+pub mod light_trees;
 pub mod lobes;
 pub mod meshes;
 pub mod microfacets;

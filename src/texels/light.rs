@@ -5,6 +5,7 @@
 //! light is the one that these whole numbers give: what is drawn and what is divided by cannot differ.
 
 use super::Texel;
+use super::light_tree::{Emitter, LightTree};
 use super::triangle::{area, geometric_normal, with_word};
 use crate::error::{Error, Result};
 use crate::interface::LIGHT_TEXELS;
@@ -22,6 +23,10 @@ pub struct Lights {
     pub texels: Vec<Texel>,
     /// For each triangle in file order the density per unit area of light sampling on it; 0 where it does not emit.
     pub pdf_area: Vec<f32>,
+    /// For each triangle in file order its way through the light tree; 0 where there is none.
+    pub trails: Vec<u32>,
+    /// Nodes of the light tree; empty where lights are chosen from a list.
+    pub nodes: Vec<Texel>,
     /// Number of lights.
     pub count: u32,
 }
@@ -30,7 +35,7 @@ pub struct Lights {
 ///
 /// Fails with [`Error::Limit`] where there are more than 2^31 lights: each must get at least one of the 2^32 words.
 pub fn build_lights(scene: &Scene, order: &[u32], pick: LightPick) -> Result<Lights> {
-    let mut densities = vec![0.0; scene.triangles.len()];
+    let (mut densities, mut trails) = (vec![0.0; scene.triangles.len()], vec![0; scene.triangles.len()]);
     // Lights in file order, with their leaf position, area and weight.
     let mut lights: Vec<(u32, u32, f64, f64)> = Vec::new();
     for (position, &id) in order.iter().enumerate() {
@@ -39,7 +44,7 @@ pub fn build_lights(scene: &Scene, order: &[u32], pick: LightPick) -> Result<Lig
         let area = area(triangle);
         if material.emits() && area > 0.0 {
             let weight = match pick {
-                LightPick::Power => area * luminance(material.emission),
+                LightPick::Power | LightPick::Tree => area * luminance(material.emission),
                 LightPick::Area => area,
             };
             lights.push((id, position as u32, area, weight));
@@ -54,7 +59,7 @@ pub fn build_lights(scene: &Scene, order: &[u32], pick: LightPick) -> Result<Lig
         });
     }
     let weights: Vec<f64> = lights.iter().map(|light| light.3).collect();
-    let even_share = if pick == LightPick::Power { EVEN_SHARE } else { 0.0 };
+    let even_share = if pick == LightPick::Area { 0.0 } else { EVEN_SHARE };
     let ends = cumulative_words(&weights, even_share);
     let mut texels = Vec::with_capacity(lights.len() * LIGHT_TEXELS as usize);
     let mut begin = 0u64;
@@ -63,7 +68,7 @@ pub fn build_lights(scene: &Scene, order: &[u32], pick: LightPick) -> Result<Lig
         let share = [begin as u32, (1.0 / (end - begin) as f32).to_bits()];
         begin = end;
         let triangle = &scene.triangles[id as usize];
-        let pdf_area = (probability / area) as f32;
+        let pdf_area = (if pick == LightPick::Tree { 1.0 / area } else { probability / area }) as f32;
         densities[id as usize] = pdf_area;
         let [v0, v1, v2] = triangle.positions;
         texels.extend([
@@ -74,7 +79,16 @@ pub fn build_lights(scene: &Scene, order: &[u32], pick: LightPick) -> Result<Lig
             with_word(scene.materials[triangle.material as usize].emission.into(), share[1]),
         ]);
     }
-    Ok(Lights { texels, pdf_area: densities, count: lights.len() as u32 })
+    let mut nodes = Vec::new();
+    if pick == LightPick::Tree && !lights.is_empty() {
+        let emitter = |&(id, _, _, power): &(u32, u32, f64, f64)| Emitter::new(&scene.triangles[id as usize], power);
+        let tree = LightTree::build(&lights.iter().map(emitter).collect::<Vec<_>>());
+        for (light, trail) in lights.iter().zip(&tree.trails) {
+            trails[light.0 as usize] = *trail;
+        }
+        nodes = tree.texels();
+    }
+    Ok(Lights { texels, pdf_area: densities, trails, nodes, count: lights.len() as u32 })
 }
 
 /// Exclusive ends of the weights' shares of 2^32 words: rising, at least one word each, the last end 2^32.

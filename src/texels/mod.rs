@@ -6,6 +6,8 @@
 pub mod binary_node;
 pub mod camera;
 pub mod light;
+pub mod light_cone;
+pub mod light_tree;
 pub mod material;
 pub mod random;
 pub mod triangle;
@@ -38,6 +40,8 @@ pub struct TexelData {
     pub materials: Vec<Texel>,
     /// Lights.
     pub lights: Vec<Texel>,
+    /// Nodes of the light tree; empty where lights are chosen from a list.
+    pub light_nodes: Vec<Texel>,
     /// The camera.
     pub camera: Vec<Texel>,
     /// The pixel filter's table; empty for the box.
@@ -88,7 +92,10 @@ impl TexelData {
                 Accel::Wide(tree) => tree.nodes.iter().flat_map(wide_node::pack).collect(),
             },
             triangles: in_order()
-                .flat_map(|(id, triangle)| triangle::triangle_texels(triangle, id, lights.pdf_area[id as usize]))
+                .flat_map(|(id, triangle)| {
+                    let light = id as usize;
+                    triangle::triangle_texels(triangle, id, lights.pdf_area[light], lights.trails[light])
+                })
                 .collect(),
             surfaces: in_order().map(|(_, triangle)| triangle::surface_texel(triangle)).collect(),
             corners: match smooth {
@@ -99,6 +106,7 @@ impl TexelData {
             triangle_count: order.len() as u32,
             light_count: lights.count,
             lights: lights.texels,
+            light_nodes: lights.nodes,
             ..TexelData::default()
         })
     }

@@ -6,13 +6,13 @@
 use glam::{DVec3, Vec3};
 
 use super::Texel;
-use crate::interface::{NO_INDEX, TRIANGLE_EMITS, TRIANGLE_SMOOTH};
+use crate::interface::{NO_INDEX, TRIANGLE_EMITS, TRIANGLE_SMOOTH, TRIANGLE_TRAIL_SHIFT};
 use crate::scene::{Corners, Triangle};
 
 /// The three texels of a triangle with the file-order number `id`; `pdf_area` is the density of light sampling on it, 0
-/// where it does not emit.
-pub fn triangle_texels(triangle: &Triangle, id: u32, pdf_area: f32) -> [Texel; 3] {
-    let mut flags = 0;
+/// where it does not emit, `trail` its way through the light tree.
+pub fn triangle_texels(triangle: &Triangle, id: u32, pdf_area: f32, trail: u32) -> [Texel; 3] {
+    let mut flags = trail << TRIANGLE_TRAIL_SHIFT;
     if pdf_area > 0.0 {
         flags |= TRIANGLE_EMITS;
     }
@@ -80,8 +80,11 @@ mod tests {
 
     #[test]
     fn integers_travel_as_integers() {
-        let texels = triangle_texels(&sliver(), 7, 2.0);
-        assert_eq!([texels[0][3], texels[1][3], texels[2][3]], [7, TRIANGLE_EMITS, 2f32.to_bits()]);
+        let texels = triangle_texels(&sliver(), 7, 2.0, 9);
+        assert_eq!(
+            [texels[0][3], texels[1][3], texels[2][3]],
+            [7, TRIANGLE_EMITS | 9 << TRIANGLE_TRAIL_SHIFT, 2f32.to_bits()]
+        );
         assert_eq!(surface_texel(&sliver())[3], 3);
     }
 }

@@ -14,8 +14,8 @@ use crate::selftest::scattering::{
 };
 use crate::selftest::scenes::{SceneBuilder, camera, lambert};
 use crate::selftest::statistics::chi_square_test;
-use crate::selftest::{Bench, Case, Check, Finding, Tier, form_factors};
-use crate::settings::{Lights, Settings};
+use crate::selftest::{Bench, Case, Check, Finding, Tier, form_factors, light_trees};
+use crate::settings::{LightPick, Lights, Settings};
 use crate::texels::TexelData;
 use crate::texels::triangle::area;
 
@@ -105,6 +105,7 @@ fn near_lights(bench: &Bench) -> Result<Vec<Finding>> {
     }
     let why = "the bound, and 1e-5 for rounding";
     let mut findings = vec![
+        light_trees::cluster_around_a_point(bench)?,
         Finding::at_most("largest light sample, in units of albedo times emission", 0.5 * 1.00001, by_light.0, why),
         Finding::at_most("largest BSDF sample", 1.00001, by_bsdf.0, why),
         Finding::never("samples below 0", below, count as u64),
@@ -179,7 +180,8 @@ fn picks(bench: &Bench) -> Result<Vec<Finding>> {
     let large = bench.count(100_000, 1_250_000) as u32;
     for (triangles, draws) in [(20, bench.count(1 << 19, 10_000_000)), (large, 1 << 20)] {
         let scene = many_lights(triangles);
-        let data = TexelData::pack(&scene, &Accel::brute(), &Settings::for_scene(&scene))?;
+        let by_power = Settings { light_pick: LightPick::Power, ..Settings::for_scene(&scene) };
+        let data = TexelData::pack(&scene, &Accel::brute(), &by_power)?;
         let records = data.lights.as_chunks::<5>().0;
         let lights = records.len();
         let shares: Vec<f64> = records
@@ -218,16 +220,20 @@ fn picks(bench: &Bench) -> Result<Vec<Finding>> {
             passes: verdict.p >= 1e-9,
         });
     }
+    findings.extend(light_trees::picks(bench)?);
     // A light that shows its back adds nothing, by any estimator.
-    for lights in [Lights::Mis, Lights::Area, Lights::Bsdf] {
+    let estimators = [Lights::Mis, Lights::Area, Lights::Bsdf].map(|lights| (lights, LightPick::Power));
+    let by_tree = [Lights::Mis, Lights::Area].map(|lights| (lights, LightPick::Tree));
+    for (lights, light_pick) in estimators.into_iter().chain(by_tree) {
         let mut builder = SceneBuilder::new();
         let (floor, light) = (builder.material(lambert(0.5, 0.0)), builder.material(lambert(0.5, 1.0)));
         builder.quad([-2.0, 0.0, -2.0], [0.0, 0.0, 4.0], [4.0, 0.0, 0.0], floor);
         builder.quad([-1.0, 1.0, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0], light);
         let scene = builder.finish(camera([0.0, 0.5, -1.5], [0.0; 3], 30.0), None);
-        let settings = Settings { lights, max_bounces: 3, ..smooth_settings(&scene, 16, 64) };
+        let settings = Settings { lights, light_pick, max_bounces: 3, ..smooth_settings(&scene, 16, 64) };
         let Measured { range, invalid, .. } = measure(bench, &scene, &settings)?;
-        let what = format!("floor under the back of a light, {lights:?}: largest pixel, samples left out");
+        let what =
+            format!("floor under the back of a light, {lights:?}, {light_pick:?}: largest pixel, samples left out");
         findings.push(Finding::exact(what, "0, 0".to_owned(), format!("{}, {invalid}", range[1])));
     }
     Ok(findings)
@@ -239,7 +245,10 @@ fn picks(bench: &Bench) -> Result<Vec<Finding>> {
 /// block is some 1e4 of these. The power of lights never picks it; BSDF samples find it.
 fn bright_and_faint(bench: &Bench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
-    for (bright, faint) in [(1e10f32, 1e10f32), (1e10, 1.0), (1e10, 1e-10)] {
+    findings.push(light_trees::bright_beside_faint(bench)?);
+    let powers = [(1e10f32, 1e10f32), (1e10, 1.0), (1e10, 1e-10)];
+    let cases = powers.into_iter().flat_map(|powers| [LightPick::Power, LightPick::Tree].map(|pick| (powers, pick)));
+    for ((bright, faint), light_pick) in cases {
         let mut builder = SceneBuilder::new();
         let floor = builder.material(lambert(0.5, 0.0));
         let [dim, glaring] = [faint, bright].map(|emission| builder.material(lambert(0.0, emission)));
@@ -247,10 +256,11 @@ fn bright_and_faint(bench: &Bench) -> Result<Vec<Finding>> {
         builder.quad([0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], dim);
         builder.quad([-1.0, 1.5, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0], glaring);
         let scene = builder.finish(camera([0.0, 0.4, 0.0], [0.0; 3], 1e-3), None);
-        let settings = Settings { max_bounces: 1, ..smooth_settings(&scene, 32, bench.count(128, 1024) as u32) };
+        let spp = bench.count(128, 1024) as u32;
+        let settings = Settings { max_bounces: 1, light_pick, ..smooth_settings(&scene, 32, spp) };
         let measured = measure(bench, &scene, &settings)?;
         let expected = 0.5 * 0.1385316060 * f64::from(faint);
-        let what = format!("floor under a light of {faint:e}, a hidden one has {bright:e}");
+        let what = format!("floor under a light of {faint:e}, a hidden one has {bright:e}, {light_pick:?}");
         findings.push(Finding::z(what.clone(), expected, measured.mean, measured.variance));
         let why = "so that the verdict says something";
         let limit = if bench.tier() == Tier::Full { 3e-3 } else { 3e-2 };

@@ -16,7 +16,7 @@ use crate::selftest::furnaces::{furnace, mean, series};
 use crate::selftest::random::Random;
 use crate::selftest::scenes::{SceneBuilder, camera, lambert};
 use crate::selftest::statistics::{Moments, chi_square_test};
-use crate::selftest::{Bench, Case, Check, Finding, Tier, roulette, streams};
+use crate::selftest::{Bench, Case, Check, Finding, Tier, light_trees, roulette, streams};
 use crate::settings::{Lights, Roulette, Sampler, Settings};
 use crate::texels::Texel;
 
@@ -206,6 +206,7 @@ fn ends_of_the_unit_interval(bench: &Bench) -> Result<Vec<Finding>> {
         Finding::never("random floats other than the word's 24 bits", wrong, 1 << 24),
     ];
     findings.push(places_in_shares(bench)?);
+    findings.push(light_trees::places_in_words(bench)?);
     let ends = [0.0, 2f32.powi(-24), 0.25, 0.5, 0.5 + 2f32.powi(-24), 1.0 - 2f32.powi(-24)];
     let input: Vec<Texel> = ends.iter().flat_map(|&u| ends.map(|v: f32| [u.to_bits(), v.to_bits(), 0, 0])).collect();
     for (function, name) in [(2, "cosine hemisphere"), (3, "uniform hemisphere"), (4, "triangle")] {
