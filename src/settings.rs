@@ -73,6 +73,14 @@ impl Settings {
         }
     }
 
+    /// How a light is chosen; without light samples nothing asks for a tree, so there is none.
+    pub fn effective_light_pick(&self) -> LightPick {
+        match (self.lights, self.light_pick) {
+            (Lights::Bsdf, LightPick::Tree) => LightPick::Power,
+            (_, pick) => pick,
+        }
+    }
+
     /// The part of the picture that is rendered, `[x, y, width, height]` in pixels.
     pub fn region(&self) -> [u32; 4] {
         self.crop.unwrap_or([0, 0, self.width, self.height])

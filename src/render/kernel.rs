@@ -69,7 +69,7 @@ pub fn path_tracer(
         (SPEC_INTERSECTOR, intersector_value(settings.intersector)),
         (SPEC_SAMPLER, sampler_value(settings.sampler)),
         (SPEC_LIGHTS, lights_value(settings.lights)),
-        (SPEC_LIGHT_PICK, light_pick_value(settings.light_pick)),
+        (SPEC_LIGHT_PICK, light_pick_value(settings)),
         (SPEC_HEMISPHERE, hemisphere_value(settings.hemisphere)),
         (SPEC_ROULETTE, roulette_value(settings.roulette).0),
         (SPEC_REFILL_EIGHTHS, tuning.refill_eighths.unwrap_or(REFILL_EIGHTHS)),
@@ -203,8 +203,8 @@ fn lights_value(lights: Lights) -> u32 {
     }
 }
 
-fn light_pick_value(pick: LightPick) -> u32 {
-    match pick {
+fn light_pick_value(settings: &Settings) -> u32 {
+    match settings.effective_light_pick() {
         LightPick::Power | LightPick::Area => LIGHT_PICK_LIST,
         LightPick::Tree => LIGHT_PICK_TREE,
     }

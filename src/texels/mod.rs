@@ -65,7 +65,7 @@ impl TexelData {
                 have: MAX_TRIANGLES.to_string(),
             });
         }
-        let mut data = TexelData::geometry(scene, accel, &order, settings.light_pick)?;
+        let mut data = TexelData::geometry(scene, accel, &order, settings.effective_light_pick())?;
         data.camera = camera::camera_texels(&scene.camera, settings.width, settings.height, settings.filter).to_vec();
         if settings.filter != Filter::Box {
             data.filter = camera::filter_texels(settings.filter);

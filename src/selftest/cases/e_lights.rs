@@ -105,12 +105,12 @@ fn near_lights(bench: &Bench) -> Result<Vec<Finding>> {
     }
     let why = "the bound, and 1e-5 for rounding";
     let mut findings = vec![
-        light_trees::cluster_around_a_point(bench)?,
         Finding::at_most("largest light sample, in units of albedo times emission", 0.5 * 1.00001, by_light.0, why),
         Finding::at_most("largest BSDF sample", 1.00001, by_bsdf.0, why),
         Finding::never("samples below 0", below, count as u64),
     ];
     findings.extend(form_factors::check(bench, &form_factors::near())?);
+    findings.push(light_trees::cluster_around_a_point(bench)?);
     Ok(findings)
 }
 
@@ -245,7 +245,6 @@ fn picks(bench: &Bench) -> Result<Vec<Finding>> {
 /// block is some 1e4 of these. The power of lights never picks it; BSDF samples find it.
 fn bright_and_faint(bench: &Bench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
-    findings.push(light_trees::bright_beside_faint(bench)?);
     let powers = [(1e10f32, 1e10f32), (1e10, 1.0), (1e10, 1e-10)];
     let cases = powers.into_iter().flat_map(|powers| [LightPick::Power, LightPick::Tree].map(|pick| (powers, pick)));
     for ((bright, faint), light_pick) in cases {
@@ -271,6 +270,7 @@ fn bright_and_faint(bench: &Bench) -> Result<Vec<Finding>> {
             why,
         ));
     }
+    findings.push(light_trees::bright_beside_faint(bench)?);
     Ok(findings)
 }
 
