@@ -1,6 +1,6 @@
 //! The `texray` program: run one command, print the error, set the exit code.
 //!
-//! Exit codes: 0 done, 1 internal or a failed self-test, 2 usage, 3 bad scene or input, 4 no usable device or device lost,
+//! Exit codes: 0 done, 1 internal, a failed self-test or a limit of `compare` not kept, 2 usage, 3 bad scene or input, 4 no usable device or device lost,
 //! 5 output, 7 invalid samples under `--strict`, 128 + n after signal n (129, 130, 143), with the picture saved.
 
 #![deny(unsafe_code)]
@@ -16,6 +16,7 @@ use cli::streams::say;
 use cli::{Failure, Outcome};
 
 const INTERNAL: u8 = 1;
+const LIMIT_EXCEEDED: u8 = 1;
 const INVALID_SAMPLES: u8 = 7;
 const SIGNAL: u8 = 128;
 
@@ -29,6 +30,10 @@ fn main() -> ExitCode {
             INVALID_SAMPLES
         }
         Ok(Ok(Outcome::HardCasesFailed)) => INTERNAL,
+        Ok(Ok(Outcome::LimitsExceeded(limits))) => {
+            limits.iter().for_each(|limit| say(&format!("error: {limit}")));
+            LIMIT_EXCEEDED
+        }
         Ok(Ok(Outcome::Signal(signal))) => SIGNAL.saturating_add(signal),
         Ok(Err(Failure::Arguments(error))) => {
             // Help and version come this way too, with the code 0 and on stdout. Nothing can be told to a closed stream.

@@ -3,6 +3,7 @@
 //! Comes in: the process's arguments. Goes out: an [`Outcome`] or a [`Failure`], which `main` turns into an exit code.
 //! One file a subcommand.
 
+mod compare;
 mod devices;
 mod document;
 mod engine;
@@ -32,6 +33,8 @@ pub enum Outcome {
     InvalidSamples(u64),
     /// A self-test found that the device, or texray on it, does not compute what it should.
     HardCasesFailed,
+    /// A picture is further from its reference than the limits given allow: the limits that are not kept, in words.
+    LimitsExceeded(Vec<String>),
     /// Stopped by this signal; what there was is saved.
     Signal(u8),
 }
@@ -65,6 +68,7 @@ enum Command {
     Devices(devices::DevicesArgs),
     Selftest(selftest::SelftestArgs),
     Study(study::StudyArgs),
+    Compare(compare::CompareArgs),
 }
 
 /// Runs the command that the process was started with, at `started`.
@@ -79,6 +83,7 @@ pub fn run(started: Instant) -> Result<Outcome, Failure> {
         Command::Devices(arguments) => arguments.run()?,
         Command::Selftest(arguments) => arguments.run()?,
         Command::Study(arguments) => arguments.run()?,
+        Command::Compare(arguments) => arguments.run()?,
     };
     Ok(outcome)
 }

@@ -4,7 +4,7 @@
 
 use clap::error::{ContextKind, ContextValue, Error};
 
-const SUBCOMMANDS: [&str; 4] = ["compare", "view", "merge", "film"];
+const SUBCOMMANDS: [&str; 3] = ["view", "merge", "film"];
 const OPTIONS: [&str; 12] = [
     "--samples",
     "--time-limit",

@@ -44,6 +44,21 @@ pub fn exposure(text: &str) -> Result<f64, String> {
     stops.ok_or_else(|| format!("use stops from -{LARGEST_EXPOSURE} to {LARGEST_EXPOSURE}"))
 }
 
+/// A number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| "use a number".into())
+}
+
+/// A number of 0 or more.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|value| *value >= 0.0).ok_or_else(|| "use a number of 0 or more".into())
+}
+
+/// A number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|value| *value > 0.0).ok_or_else(|| "use a number above 0".into())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,6 +90,15 @@ mod tests {
         for bad in ["0", "0.0009", "-0.5", "1.01", "nan", "inf", "on", ""] {
             assert!(roulette(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn limits() {
+        assert_eq!((finite("-1e3"), not_negative("0"), positive("0.5")), (Ok(-1000.0), Ok(0.0), Ok(0.5)));
+        for bad in ["", "x", "nan", "inf", "1,5"] {
+            assert!(finite(bad).is_err() && not_negative(bad).is_err() && positive(bad).is_err(), "{bad}");
+        }
+        assert!(not_negative("-1").is_err() && positive("0").is_err() && positive("-1").is_err());
     }
 
     #[test]

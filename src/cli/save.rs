@@ -39,7 +39,7 @@ pub fn check_distinct(scene: &[&Path], outputs: &[&Path]) -> Result<()> {
 }
 
 /// Whether two paths name the same file, be it there already or not.
-fn same(a: &Path, b: &Path) -> bool {
+pub fn same(a: &Path, b: &Path) -> bool {
     let resolved = |path: &Path| {
         path.canonicalize().ok().or_else(|| {
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -13,5 +13,6 @@ mod write;
 
 pub use metadata::Metadata;
 pub use picture::Picture;
+pub use png::{encode as encode_png, encode_indexed as encode_indexed_png};
 pub use tonemap::{Display, Tonemap};
 pub use write::{Format, OutputFile, check_writable, write_whole};

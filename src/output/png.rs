@@ -14,6 +14,25 @@ pub fn encode(picture: &Picture, display: &Display, metadata: &Metadata) -> Resu
     write(picture, pixels.as_flattened(), metadata).map_err(|error| error.to_string())
 }
 
+/// A picture of colours from a palette (sRGB), an index a pixel, in rows from the top: the file's bytes, or why they cannot
+/// be made. At most 256 colours.
+pub fn encode_indexed(width: u32, height: u32, palette: &[[u8; 3]], indices: &[u8]) -> Result<Vec<u8>, String> {
+    let write = || -> Result<Vec<u8>, EncodingError> {
+        let mut bytes = Vec::new();
+        let mut encoder = Encoder::new(&mut bytes, width, height);
+        encoder.set_color(ColorType::Indexed);
+        encoder.set_depth(BitDepth::Eight);
+        encoder.set_palette(palette.as_flattened());
+        encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
+        encoder.add_text_chunk("Software".into(), "texray".into())?;
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(indices)?;
+        writer.finish()?;
+        Ok(bytes)
+    };
+    write().map_err(|error| error.to_string())
+}
+
 fn write(picture: &Picture, samples: &[u8], metadata: &Metadata) -> Result<Vec<u8>, EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, picture.width, picture.height);

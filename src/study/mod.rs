@@ -7,17 +7,16 @@
 //! ```text
 //! speed            what is measured, in which order; what came out
 //! peers, child     other renderers, and texray in a process of its own
-//! relative_error   a picture against a reference
 //! rows, spread     raw figures on disk; medians and ranges of them
 //! ```
 
 pub mod child;
 pub mod peers;
-pub mod relative_error;
 pub mod rows;
 pub mod speed;
 pub mod spread;
 
+pub use crate::compare::relative_error;
 pub use rows::{Origin, Row, Rows};
 pub use spread::Spread;
 

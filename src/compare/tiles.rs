@@ -1,0 +1,77 @@
+//! Are two pictures the same but for noise? A z test a tile and channel.
+//!
+//! Comes in: pictures, one of them at least with the variance of its pixels' means. Goes out: a [`TileTest`]. Assumes
+//! that pixels are independent of each other, as texray's are for every filter (its filters are sampled, not spread); a
+//! renderer that spreads samples over pixels has tiles that vary more than their variances say, and seems to differ.
+
+use serde::Serialize;
+
+use super::read::ExrPicture;
+use crate::selftest::statistics::{critical_z, z_test};
+
+/// Side of a tile in pixels: so many that a sum of replicate variances, of one degree of freedom a pixel and more, is
+/// known well, and that the mean is close to normal.
+pub const TILE: usize = 16;
+
+/// What the tiles showed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TileTest {
+    /// Tests done: tiles times channels.
+    pub tests: usize,
+    /// Tests left out, as the tile has a pixel whose value or variance is not finite.
+    pub left_out: usize,
+    /// |z| above which one of so many tests is no chance: one false alarm in a million comparisons.
+    pub critical_z: f64,
+    /// Largest |z|; `None` without a test, or where a difference stands against a variance of 0.
+    pub largest_z: Option<f64>,
+    /// Tests that fail.
+    pub failed: usize,
+    /// Whether the reference counts as exact, as its file has no variance.
+    pub exact_reference: bool,
+    /// Whether the picture counts as exact, as its file has no variance.
+    pub exact_picture: bool,
+}
+
+/// Tests the mean of every tile; `None` where neither file has a variance. The pictures have one window.
+pub fn test(picture: &ExrPicture, reference: &ExrPicture) -> Option<TileTest> {
+    if picture.variance.is_none() && reference.variance.is_none() {
+        return None;
+    }
+    let (width, height) = (picture.window.width, picture.window.height);
+    let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
+    let all = columns * rows * 3;
+    let mut sums = vec![[[0.0; 3]; 3]; columns * rows];
+    for y in 0..height {
+        for x in 0..width {
+            let i = y * width + x;
+            let tile = &mut sums[y / TILE * columns + x / TILE];
+            for channel in 0..3 {
+                let of = |variance: &Option<Vec<[f32; 3]>>| variance.as_ref().map_or(0.0, |v| f64::from(v[i][channel]));
+                tile[channel][0] += f64::from(picture.rgb[i][channel]);
+                tile[channel][1] += f64::from(reference.rgb[i][channel]);
+                tile[channel][2] += of(&picture.variance) + of(&reference.variance);
+            }
+        }
+    }
+    let mut largest: f64 = 0.0;
+    let (mut left_out, mut failed) = (0, 0);
+    for [a, b, variance] in sums.into_iter().flatten() {
+        if !(a.is_finite() && b.is_finite() && variance.is_finite() && variance >= 0.0) {
+            left_out += 1;
+            continue;
+        }
+        // Sums rather than means: both sides of the quotient grow alike.
+        let verdict = z_test(a, variance, b);
+        largest = largest.max(verdict.statistic.abs());
+        failed += usize::from(!verdict.passes(all));
+    }
+    Some(TileTest {
+        tests: all - left_out,
+        left_out,
+        critical_z: critical_z(all),
+        largest_z: (left_out < all && largest.is_finite()).then_some(largest),
+        failed,
+        exact_reference: reference.variance.is_none(),
+        exact_picture: picture.variance.is_none(),
+    })
+}
