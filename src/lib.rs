@@ -10,7 +10,7 @@
 //! A later stage may import an earlier one, never the reverse. [`gpu`] is the layer beneath: it alone names Vulkan and
 //! holds `unsafe`, and knows nothing of scenes. [`interface`] states what CPU and GPU agree on.
 //! [`selftest`] and [`study`] stand above all stages: one asks them hard questions, the other what they cost. [`compare`]
-//! holds finished pictures against each other.
+//! holds finished pictures against each other, and [`report`] shows what was found.
 
 #![deny(unsafe_code)]
 
@@ -22,6 +22,7 @@ pub mod gpu;
 pub mod interface;
 pub mod output;
 pub mod render;
+pub mod report;
 pub mod scene;
 pub mod selftest;
 pub mod settings;

@@ -1,0 +1,113 @@
+//! Values by name, as bars from zero with whiskers.
+//!
+//! Comes in: [`Bars`]. Goes out: a figure of title, drawing, gaps in words, and the numbers as a table. A name stands
+//! above its bar, so that long ones fit on narrow screens.
+
+use maud::{Markup, html};
+
+use super::axis::{Ruler, Scale};
+use super::chart::DIGITS;
+use super::chart_marks::unit;
+use super::number::significant;
+use super::table::{Table, numbers};
+
+/// Values by name, of one quantity.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bars {
+    /// What is shown.
+    pub title: String,
+    /// Unit of the values; empty for none.
+    pub unit: String,
+    /// From the top.
+    pub bars: Vec<Bar>,
+}
+
+/// A value with its interval.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bar {
+    /// What it is of.
+    pub name: String,
+    /// The value; not a number where it is not known.
+    pub value: f64,
+    /// Lower end of its interval.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+const WIDTH: f64 = 560.0;
+/// Height of a bar's row: the name, then the bar.
+const ROW: f64 = 44.0;
+const BAR: f64 = 16.0;
+/// Room right of the longest bar for its value.
+const RIGHT: f64 = 440.0;
+const LEFT: f64 = 2.0;
+const CAP: f64 = 4.0;
+
+impl Bars {
+    /// The figure; `id` is unique on the page.
+    pub(super) fn markup(&self, id: &str) -> Markup {
+        let values = || self.bars.iter().flat_map(|bar| [Some(bar.value), bar.low, bar.high]).flatten();
+        let ruler = Ruler::of(Scale::Linear, values().chain([0.0]), LEFT, RIGHT);
+        let label = format!("{id}-label");
+        html! {
+            figure.bars id=(id) {
+                figcaption { (self.title) @if !self.unit.is_empty() { span.unit { " (" (self.unit) ")" } } }
+                @match ruler.filter(|_| self.bars.iter().any(|bar| bar.value.is_finite())) {
+                    Some(ruler) => {
+                        svg viewBox=(format!("0 0 {WIDTH} {}", ROW * self.bars.len() as f64)) role="img"
+                            aria-labelledby=(label) {
+                            title id=(label) { (self.title) }
+                            @for (i, bar) in self.bars.iter().enumerate() { (row(bar, &self.unit, ROW * i as f64, &ruler)) }
+                        }
+                    },
+                    None => p.gap { "No figures to draw." },
+                }
+                @if !self.bars.is_empty() { (self.numbers()) }
+            }
+        }
+    }
+
+    fn numbers(&self) -> Markup {
+        let end = |end: Option<f64>| end.map_or_else(String::new, |value| significant(value, DIGITS));
+        let row = |bar: &Bar| vec![bar.name.clone(), significant(bar.value, DIGITS), end(bar.low), end(bar.high)];
+        let value = if self.unit.is_empty() { "value".into() } else { self.unit.clone() };
+        let columns = vec!["name".into(), value, "low".into(), "high".into()];
+        numbers(&self.title, &Table { columns, rows: self.bars.iter().map(row).collect() })
+    }
+}
+
+fn row(bar: &Bar, unit_name: &str, top: f64, ruler: &Ruler) -> Markup {
+    let name_at = top + 15.0;
+    let bar_at = top + 21.0;
+    let middle = bar_at + BAR / 2.0;
+    let Some(end) = ruler.at(bar.value) else {
+        return html! {
+            text.name x=(LEFT) y=(name_at) { (bar.name) }
+            text.gap x=(LEFT) y=(middle + 5.0) { (significant(bar.value, DIGITS)) ": no bar" }
+        };
+    };
+    let zero = ruler.clamped(0.0);
+    let ends = [bar.low, bar.high].map(|end| end.filter(|end| !end.is_nan()));
+    let [low, high] = ends.map(|end| ruler.clamped(end.unwrap_or(bar.value)));
+    let text_at = end.max(low).max(high).max(zero) + 8.0;
+    let mut tip = format!("{}: {} {unit_name}", bar.name, significant(bar.value, DIGITS));
+    if let [Some(low), Some(high)] = ends {
+        tip += &format!("\n{} to {}", significant(low, DIGITS), significant(high, DIGITS));
+    }
+    let whisker = format!(
+        "M{low} {middle}H{high}M{low} {0}V{1}M{high} {0}V{1}",
+        middle - CAP,
+        middle + CAP,
+        low = unit(low),
+        high = unit(high)
+    );
+    html! {
+        text.name x=(LEFT) y=(name_at) { (bar.name) }
+        rect.mark.s0 x=(unit(end.min(zero))) y=(bar_at) width=(unit((end - zero).abs().max(1.0))) height=(BAR) {
+            title { (tip.trim_end()) }
+        }
+        @if ends.iter().any(Option::is_some) { path.whisker d=(whisker) {} }
+        text x=(unit(text_at)) y=(middle + 5.0) { (significant(bar.value, 3)) }
+    }
+}
