@@ -5,12 +5,14 @@
 //! Repeats go through all cases before any case comes again, so that a change of the machine's speed meets all alike.
 //!
 //! ```text
+//! cornell          the Cornell box beside what is published of it
 //! speed            what is measured, in which order; what came out
 //! peers, child     other renderers, and texray in a process of its own
 //! rows, spread     raw figures on disk; medians and ranges of them
 //! ```
 
 pub mod child;
+pub mod cornell;
 pub mod peers;
 pub mod rows;
 pub mod speed;
