@@ -215,6 +215,14 @@ fn what_is_no_picture_or_another_window_is_refused_by_name() {
     fs::write(folder.at("text.exr"), "not a picture").expect("a file can be written");
     let whole = fs::read(folder.at("clean.exr")).expect("it is there");
     fs::write(folder.at("cut.exr"), &whole[..whole.len() / 2]).expect("a file can be written");
+    // A header that claims a data window of 2^30 columns: its last column follows the attribute's name, type, size and corner.
+    let mut vast = whole.clone();
+    let start = b"dataWindow\0box2i\0\x10\0\0\0";
+    let at = vast.windows(start.len()).position(|bytes| bytes == start).expect("a data window") + start.len() + 8;
+    vast[at..at + 4].copy_from_slice(&(1i32 << 30).to_le_bytes());
+    fs::write(folder.at("vast.exr"), vast).expect("a file can be written");
+    let message = folder.refused(&["vast.exr", "clean.exr"], 4);
+    assert!(message.contains("vast.exr: its pixels by its header: ") && message.contains("needed"), "{message}");
     for name in ["text.exr", "cut.exr", "missing.exr"] {
         let message = folder.refused(&[name, "clean.exr"], 3);
         assert!(message.starts_with(&format!("error: {name}: not a readable OpenEXR file")), "{message}");
@@ -235,6 +243,7 @@ fn pixels_that_are_not_finite_are_told_and_keep_no_limit() {
     let found = folder.json(&["a.exr", "b.exr"], 0);
     assert_eq!((&found["not_finite"], &found["not_finite_reference"]), (&2.into(), &1.into()));
     assert!(found["figures"]["rmse"].is_f64() && found["hdr_flip"].is_null());
+    assert_eq!(found["hdr_flip_missing"], "it needs pixels that are finite");
     let found = folder.json(&["a.exr", "b.exr", "--max-rmse", "1e9"], 1);
     assert_eq!(found["exceeded"][0], "RMSE is unknown, so not within --max-rmse 1000000000");
     let output = folder.run(&["a.exr", "b.exr"]);

@@ -187,10 +187,10 @@ impl CompareArgs {
                     flip.stop_stops
                 ),
             ),
-            None => line(
-                "HDR-FLIP",
-                "unknown: it needs finite pixels, and a reference of which half or more has light".into(),
-            ),
+            None => {
+                let why = comparison.hdr_flip_missing.as_deref().unwrap_or("no reason is known");
+                line("HDR-FLIP", format!("unknown: {why}"));
+            }
         }
         match &comparison.tiles {
             Some(tiles) => {

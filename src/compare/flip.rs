@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::colour::{from_ycxcz, hunt_lab, hyab, ycxcz};
 use super::convolve::Plane;
 use super::difference::luminance;
+use crate::film::memory;
 
 /// Pixels that a degree of the observer's view has: 3840 · π / 180.
 pub const PIXELS_PER_DEGREE: f64 = 67.020_643_276_582_25;
@@ -43,14 +44,20 @@ pub struct HdrFlip {
     pub exposures: usize,
 }
 
-/// HDR-FLIP of `picture` against `reference`, of `[width, height]` pixels. `None` where sizes do not fit, a value is not
-/// finite, or the reference's brightest or median luminance is not above 0.
-pub fn hdr(picture: &[[f32; 3]], reference: &[[f32; 3]], [width, height]: [usize; 2]) -> Option<HdrFlip> {
-    let fits = picture.len() == width * height && reference.len() == picture.len() && !picture.is_empty();
-    if !fits || !picture.iter().chain(reference).all(super::finite) {
-        return None;
+/// Bytes that a pixel takes while two pictures are looked at: their shown, opponent, filtered and seen colours in f64.
+const PIXEL_BYTES: u64 = 240;
+
+/// HDR-FLIP of `picture` against `reference`, of `[width, height]` pixels, or why there is none: sizes do not fit, a value is
+/// not finite, the reference's brightest or median luminance is not above 0, or memory is short.
+pub fn hdr(picture: &[[f32; 3]], reference: &[[f32; 3]], [width, height]: [usize; 2]) -> Result<HdrFlip, String> {
+    if picture.len() != width * height || reference.len() != picture.len() || picture.is_empty() {
+        return Err("the pictures have no pixels in common".into());
     }
-    let (start_stops, stop_stops) = exposures(reference)?;
+    if !picture.iter().chain(reference).all(super::finite) {
+        return Err("it needs pixels that are finite".into());
+    }
+    memory::check("it", PIXEL_BYTES.saturating_mul(picture.len() as u64)).map_err(|error| error.to_string())?;
+    let (start_stops, stop_stops) = exposures(reference).ok_or("the reference's median luminance is not above 0")?;
     let exposures = ((stop_stops - start_stops).ceil().max(2.0) as usize).min(MOST_EXPOSURES);
     let observer = Observer::new();
     let mut most = vec![0.0; picture.len()];
@@ -61,7 +68,7 @@ pub fn hdr(picture: &[[f32; 3]], reference: &[[f32; 3]], [width, height]: [usize
         most.iter_mut().zip(errors).for_each(|(most, error): (&mut f64, f64)| *most = most.max(error));
     }
     let mean = most.iter().sum::<f64>() / most.len() as f64;
-    Some(HdrFlip { mean, largest: most.into_iter().fold(0.0, f64::max), start_stops, stop_stops, exposures })
+    Ok(HdrFlip { mean, largest: most.into_iter().fold(0.0, f64::max), start_stops, stop_stops, exposures })
 }
 
 /// The range of exposures in stops (section 3 of the paper of 2021).

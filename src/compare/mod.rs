@@ -38,8 +38,10 @@ pub struct Comparison {
     pub not_finite_reference: usize,
     /// Figures over the pixels that are finite in both; `None` where there is no such pixel.
     pub figures: Option<Figures>,
-    /// FLIP of the whole pictures; `None` where a pixel is not finite, or the reference has no light.
+    /// FLIP of the whole pictures.
     pub hdr_flip: Option<HdrFlip>,
+    /// Why there is no FLIP, where there is none.
+    pub hdr_flip_missing: Option<String>,
     /// Test of tiles; `None` without a variance layer.
     pub tiles: Option<TileTest>,
 }
@@ -79,13 +81,14 @@ impl Comparison {
         let pairs = || picture.rgb.iter().zip(&reference.rgb).filter(|(a, b)| finite(a) && finite(b));
         let (a, b): (Vec<[f32; 3]>, Vec<[f32; 3]>) = pairs().map(|(&a, &b)| (a, b)).unzip();
         let size = [picture.window.width, picture.window.height];
-        let all_finite = a.len() == picture.rgb.len();
+        let hdr_flip = flip::hdr(&picture.rgb, &reference.rgb, size);
         Ok(Comparison {
             size,
             not_finite: picture.rgb.iter().filter(|rgb| !finite(rgb)).count(),
             not_finite_reference: reference.rgb.iter().filter(|rgb| !finite(rgb)).count(),
             figures: figures(&a, &b, peak),
-            hdr_flip: if all_finite { flip::hdr(&picture.rgb, &reference.rgb, size) } else { None },
+            hdr_flip_missing: hdr_flip.as_ref().err().cloned(),
+            hdr_flip: hdr_flip.ok(),
             tiles: tiles::test(picture, reference),
         })
     }

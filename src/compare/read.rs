@@ -8,8 +8,10 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use exr::meta::{BlockDescription, MetaData, header::Header};
 use exr::prelude::read_all_flat_layers_from_file;
 
+use crate::film::memory;
 use crate::{Error, Result};
 
 /// Layer of the per-pixel variance of the mean, a channel each, beside the picture's own.
@@ -58,7 +60,8 @@ struct Channel {
 
 /// Reads a picture: of `layer`, or of the file's unnamed channels, or of its only layer that has colours.
 ///
-/// Fails with [`Error::Scene`], as for any input, where the file cannot be read or has no such picture.
+/// Fails with [`Error::Scene`], as for any input, where the file cannot be read or has no such picture, and with
+/// [`Error::Limit`] where its pixels would not fit in memory.
 pub fn read(path: &Path, layer: Option<&str>) -> Result<ExrPicture> {
     let channels = channels(path)?;
     let layers = coloured(&channels);
@@ -90,10 +93,33 @@ pub fn read(path: &Path, layer: Option<&str>) -> Result<ExrPicture> {
     Ok(ExrPicture { path: path.into(), layer: chosen.clone(), window, rgb, variance })
 }
 
+/// Bytes of memory that a sample takes: as the file has it, and as f32.
+const SAMPLE_BYTES: u64 = 8;
+
+/// Refuses a file whose headers, true or not, ask for more memory than there is; the reader allocates what they say.
+fn check_memory(path: &Path) -> Result<()> {
+    let headers = MetaData::read_from_file(path, false).map_err(|error| unreadable(path, &error))?.headers;
+    let samples = |header: &Header| {
+        let area = |width: usize, height: usize| (width as u64).saturating_mul(height as u64);
+        let block = match header.blocks {
+            BlockDescription::Tiles(tiles) => area(tiles.tile_size.width(), tiles.tile_size.height()),
+            BlockDescription::ScanLines => 0,
+        };
+        let pixels = area(header.layer_size.width(), header.layer_size.height()).saturating_add(block);
+        pixels.saturating_mul(header.channels.list.len() as u64)
+    };
+    let all = headers.iter().map(samples).fold(0, u64::saturating_add);
+    memory::check(&format!("{}: its pixels by its header", path.display()), all.saturating_mul(SAMPLE_BYTES))
+}
+
+fn unreadable(path: &Path, error: &exr::error::Error) -> Error {
+    Error::scene(path, 0, format!("not a readable OpenEXR file: {error}"))
+}
+
 /// All channels by their full names: part, layers, channel, joined by dots.
 fn channels(path: &Path) -> Result<BTreeMap<String, Channel>> {
-    let image = read_all_flat_layers_from_file(path)
-        .map_err(|error| Error::scene(path, 0, format!("not a readable OpenEXR file: {error}")))?;
+    check_memory(path)?;
+    let image = read_all_flat_layers_from_file(path).map_err(|error| unreadable(path, &error))?;
     let mut channels = BTreeMap::new();
     for part in image.layer_data {
         let position = part.attributes.layer_position;

@@ -37,12 +37,14 @@ pub struct Bar {
 
 const WIDTH: f64 = 560.0;
 /// Height of a bar's row: the name, then the bar.
-const ROW: f64 = 44.0;
+const ROW: f64 = 48.0;
 const BAR: f64 = 16.0;
 /// Room right of the longest bar for its value.
 const RIGHT: f64 = 440.0;
 const LEFT: f64 = 2.0;
 const CAP: f64 = 4.0;
+/// Characters of a name that fit above a bar, in the larger letters of a narrow screen; the tip and the table have all.
+const LONGEST_NAME: usize = 54;
 
 impl Bars {
     /// The figure; `id` is unique on the page.
@@ -58,6 +60,8 @@ impl Bars {
                         svg viewBox=(format!("0 0 {WIDTH} {}", ROW * self.bars.len() as f64)) role="img"
                             aria-labelledby=(label) {
                             title id=(label) { (self.title) }
+                            line.zero x1=(unit(ruler.clamped(0.0))) y1="18" x2=(unit(ruler.clamped(0.0)))
+                                y2=(ROW * self.bars.len() as f64) {}
                             @for (i, bar) in self.bars.iter().enumerate() { (row(bar, &self.unit, ROW * i as f64, &ruler)) }
                         }
                     },
@@ -78,12 +82,12 @@ impl Bars {
 }
 
 fn row(bar: &Bar, unit_name: &str, top: f64, ruler: &Ruler) -> Markup {
-    let name_at = top + 15.0;
-    let bar_at = top + 21.0;
+    let name_at = top + 16.0;
+    let bar_at = top + 23.0;
     let middle = bar_at + BAR / 2.0;
     let Some(end) = ruler.at(bar.value) else {
         return html! {
-            text.name x=(LEFT) y=(name_at) { (bar.name) }
+            text.name x=(LEFT) y=(name_at) { (cut(&bar.name)) }
             text.gap x=(LEFT) y=(middle + 5.0) { (significant(bar.value, DIGITS)) ": no bar" }
         };
     };
@@ -103,11 +107,20 @@ fn row(bar: &Bar, unit_name: &str, top: f64, ruler: &Ruler) -> Markup {
         high = unit(high)
     );
     html! {
-        text.name x=(LEFT) y=(name_at) { (bar.name) }
+        text.name x=(LEFT) y=(name_at) { (cut(&bar.name)) }
         rect.mark.s0 x=(unit(end.min(zero))) y=(bar_at) width=(unit((end - zero).abs().max(1.0))) height=(BAR) {
             title { (tip.trim_end()) }
         }
         @if ends.iter().any(Option::is_some) { path.whisker d=(whisker) {} }
         text x=(unit(text_at)) y=(middle + 5.0) { (significant(bar.value, 3)) }
     }
+}
+
+/// A name that fits.
+fn cut(name: &str) -> String {
+    if name.chars().count() <= LONGEST_NAME {
+        return name.into();
+    }
+    let kept: String = name.chars().take(LONGEST_NAME - 1).collect();
+    format!("{}…", kept.trim_end())
 }

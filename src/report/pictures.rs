@@ -65,8 +65,7 @@ impl Pictures {
 
     fn shown(&self, picture: &NamedPicture) -> Shown {
         let bad = picture.rgb.iter().filter(|rgb| rgb.iter().any(|channel| !channel.is_finite())).count();
-        let note =
-            if bad > 0 { format!("{bad} pixels are not finite (not-a-numbers show black)") } else { String::new() };
+        let note = if bad > 0 { format!("{} (not-a-numbers show black)", not_finite(bad)) } else { String::new() };
         Shown { name: picture.name.clone(), size: [picture.width, picture.height], png: encode(picture), note }
     }
 
@@ -89,13 +88,15 @@ fn difference(picture: &NamedPicture, reference: &NamedPicture) -> Shown {
     let same = size == [reference.width, reference.height];
     let found = Difference::of(&picture.rgb, &reference.rgb).filter(|_| same);
     let (png, note) = match found {
-        Some(found) if found.not_finite > 0 => {
-            (found.png(size[0], size[1]), format!("{} pixels are not finite", found.not_finite))
-        }
+        Some(found) if found.not_finite > 0 => (found.png(size[0], size[1]), not_finite(found.not_finite)),
         Some(found) => (found.png(size[0], size[1]), String::new()),
         None => (Err("no difference image: the sizes differ".into()), String::new()),
     };
     Shown { name: format!("{} against {}", picture.name, reference.name), size, png, note }
+}
+
+fn not_finite(pixels: usize) -> String {
+    if pixels == 1 { "1 pixel is not finite".into() } else { format!("{pixels} pixels are not finite") }
 }
 
 fn tile(shown: &Shown) -> Markup {

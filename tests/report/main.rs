@@ -70,7 +70,8 @@ fn gaps_are_stated() {
          (1.00, 0), (1.00, 0), ….",
         "No rows.",
         "No pictures.",
-        " 1 pixels are not finite",
+        " 1 pixel is not finite",
+        " 1 pixel is not finite (not-a-numbers show black)",
     ] {
         assert!(gaps.iter().any(|gap| gap == sentence), "{sentence:?} in {gaps:#?}");
     }

@@ -84,7 +84,12 @@ fn bars() -> Section {
             bar("watertight triangles instead of Möller–Trumbore", 4.2, 3.1, 5.0),
             bar("padded boxes", 0.6, -0.4, 1.5),
             bar("compensated sums", -0.3, -1.2, 0.4),
-            Bar { name: "not measured".into(), value: f64::NAN, low: None, high: None },
+            Bar {
+                name: "not measured, and with a name that is longer than the width of a narrow screen".into(),
+                value: f64::NAN,
+                low: None,
+                high: None,
+            },
         ],
     };
     section("precision", "Guards", "All guards together cost 4.6 % of the time.", vec![Block::Bars(bars)])
