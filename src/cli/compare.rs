@@ -1,7 +1,7 @@
 //! `texray compare A.exr B.exr`: how far picture A is from the reference B.
 //!
-//! Comes in: two OpenEXR files of any renderer, limits. Goes out: figures as text or JSON on stdout, a difference image, and
-//! whether the limits hold.
+//! Comes in: two OpenEXR files of any renderer, limits. Goes out: figures as text or JSON on stdout, a difference
+//! image, and whether the limits hold.
 
 use std::path::{Path, PathBuf};
 
@@ -18,10 +18,10 @@ use super::{Outcome, parse, streams};
 
 /// Hold a picture against a reference: relMSE, RMSE, PSNR, HDR-FLIP, a test of tiles, a difference image
 ///
-/// The exit code is 1 where a limit given by --max-relmse, --max-rmse, --min-psnr, --max-flip or --max-failed-tests is not
-/// kept. A pixel that is not finite in either picture is left out of the figures, counted, and keeps no limit. A test of
-/// tiles, of 16x16 pixels and a channel, is done where a file has the layer `variance` (render with --aov variance): it tells
-/// whether the difference is more than noise.
+/// The exit code is 1 where a limit given by --max-relmse, --max-rmse, --min-psnr, --max-flip or --max-failed-tests is
+/// not kept. A pixel that is not finite in either picture is left out of the figures, counted, and keeps no limit. A
+/// test of tiles, of 16x16 pixels and a channel, is done where a file has the layer `variance` (render with --aov
+/// variance): it tells whether the difference is more than noise.
 #[derive(Args)]
 pub struct CompareArgs {
     /// The picture, OpenEXR of any renderer

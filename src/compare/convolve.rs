@@ -14,8 +14,8 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane convolved with `along_x`(x) · `along_y`(y), kernels of odd length centred on the place. The sum runs in
-    /// the order of the image, as in a correlation: the first weight meets the left or upper neighbours.
+    /// The plane convolved with `along_x`(x) · `along_y`(y), kernels of odd length centred on the place. The sum runs
+    /// in the order of the image, as in a correlation: the first weight meets the left or upper neighbours.
     pub fn convolved(&self, along_x: &[f64], along_y: &[f64]) -> Plane {
         let (width, height) = (self.width, self.height);
         let (rx, ry) = ((along_x.len() / 2) as isize, (along_y.len() / 2) as isize);

@@ -1,8 +1,9 @@
 //! A difference image: where a picture is darker or brighter than a reference, and by how much of it.
 //!
-//! Comes in: two pictures of one size. Goes out: a colour a pixel. Blue is darker, orange brighter, the background none; the
-//! strength of the colour is the logarithm of the relative difference of luminance, from [`LEAST`] to 1, so that a picture of
-//! ten samples and one of a thousand can be read on the same scale. Magenta marks what is not finite in either picture.
+//! Comes in: two pictures of one size. Goes out: a colour a pixel. Blue is darker, orange brighter, the background
+//! none; the strength of the colour is the logarithm of the relative difference of luminance, from [`LEAST`] to 1, so
+//! that a picture of ten samples and one of a thousand can be read on the same scale. Magenta marks what is not finite
+//! in either picture.
 
 use super::relative_error::DENOMINATOR_FLOOR;
 use crate::output::encode_indexed_png;

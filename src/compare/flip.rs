@@ -2,8 +2,9 @@
 //! Alternating Images", HPG 2020), and HDR-FLIP, its maximum over the exposures at which the reference can be shown
 //! (Andersson et al., "Visualizing Errors in Rendered High Dynamic Range Images", Eurographics Short Papers 2021).
 //!
-//! Comes in: two pictures of linear radiance. Goes out: a number from 0 (no difference is seen) to 1. The observer is that
-//! of the reference code: [`PIXELS_PER_DEGREE`], 0.7 m before a screen of 0.7 m and 3840 pixels; the tone map is ACES.
+//! Comes in: two pictures of linear radiance. Goes out: a number from 0 (no difference is seen) to 1. The observer is
+//! that of the reference code: [`PIXELS_PER_DEGREE`], 0.7 m before a screen of 0.7 m and 3840 pixels; the tone map is
+//! ACES.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -47,8 +48,8 @@ pub struct HdrFlip {
 /// Bytes that a pixel takes while two pictures are looked at: their shown, opponent, filtered and seen colours in f64.
 const PIXEL_BYTES: u64 = 240;
 
-/// HDR-FLIP of `picture` against `reference`, of `[width, height]` pixels, or why there is none: sizes do not fit, a value is
-/// not finite, the reference's brightest or median luminance is not above 0, or memory is short.
+/// HDR-FLIP of `picture` against `reference`, of `[width, height]` pixels, or why there is none: sizes do not fit, a
+/// value is not finite, the reference's brightest or median luminance is not above 0, or memory is short.
 pub fn hdr(picture: &[[f32; 3]], reference: &[[f32; 3]], [width, height]: [usize; 2]) -> Result<HdrFlip, String> {
     if picture.len() != width * height || reference.len() != picture.len() || picture.is_empty() {
         return Err("the pictures have no pixels in common".into());
@@ -86,7 +87,8 @@ fn exposures(reference: &[[f32; 3]]) -> Option<(f64, f64)> {
     (brightest > 0.0 && median > 0.0 && ends.0.is_finite() && ends.1.is_finite()).then_some(ends)
 }
 
-/// Narkowicz's fit (2015) of the ACES curve, with his pre-exposure of 0.6 in the coefficients, as a quotient of quadratics.
+/// Narkowicz's fit (2015) of the ACES curve, with his pre-exposure of 0.6 in the coefficients, as a quotient of
+/// quadratics.
 const ACES: [f64; 6] = [0.6 * 0.6 * 2.51, 0.6 * 0.03, 0.0, 0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14];
 
 /// A pixel as the display shows it at an exposure: linear light in [0, 1].

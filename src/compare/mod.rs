@@ -1,7 +1,7 @@
 //! Pictures held against each other: how far one is from a reference, as numbers and as a picture.
 //!
-//! Comes in: OpenEXR files of any renderer. Goes out: a [`Comparison`] of picture A with the reference B, and a difference
-//! image. Pixels that are not finite in either picture are counted and told; figures are of the others.
+//! Comes in: OpenEXR files of any renderer. Goes out: a [`Comparison`] of picture A with the reference B, and a
+//! difference image. Pixels that are not finite in either picture are counted and told; figures are of the others.
 //!
 //! ```text
 //! read             a file's layers → a picture, with its variance where the file has it
@@ -64,14 +64,15 @@ pub struct Figures {
 }
 
 impl Comparison {
-    /// Compares `picture` with `reference`, pixel by pixel. `peak` of the PSNR: the reference's largest value where not given.
+    /// Compares `picture` with `reference`, pixel by pixel. `peak` of the PSNR: the reference's largest value where not
+    /// given.
     ///
     /// Fails with [`Error::Usage`] where their data windows differ.
     pub fn of(picture: &ExrPicture, reference: &ExrPicture, peak: Option<f64>) -> Result<Comparison> {
         if picture.window != reference.window {
             return Err(Error::Usage(format!(
-                "{}: its data window is {}, that of {} is {}; pictures are compared pixel by pixel, and the windows must \
-                 be the same",
+                "{}: its data window is {}, that of {} is {}; pictures are compared pixel by pixel, and the \
+                 windows must be the same",
                 picture.path.display(),
                 picture.window,
                 reference.path.display(),

@@ -1,7 +1,7 @@
 //! OpenEXR files of any renderer: layers and channels to a picture of linear radiance.
 //!
-//! Comes in: a path and, where the file has several pictures, the name of one. Goes out: an [`ExrPicture`]. Layers may be
-//! parts of the file (`beauty`) or prefixes of channel names (`ViewLayer.Combined.R`); samples may be half, float or
+//! Comes in: a path and, where the file has several pictures, the name of one. Goes out: an [`ExrPicture`]. Layers may
+//! be parts of the file (`beauty`) or prefixes of channel names (`ViewLayer.Combined.R`); samples may be half, float or
 //! unsigned. Refused by name: subsampled channels, deep data, a file without R, G and B or Y.
 
 use std::collections::BTreeMap;

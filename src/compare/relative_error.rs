@@ -3,8 +3,8 @@
 /// Keeps dark pixels from deciding the whole: the denominator is (reference² + this). The peers' scripts use the same.
 pub const DENOMINATOR_FLOOR: f64 = 0.01;
 
-/// Relative mean squared error: mean over pixels and channels of (x - r)² / (r² + 0.01), nothing clipped. Both pictures in the
-/// scene's own units. `None` where their sizes differ or there is no pixel.
+/// Relative mean squared error: mean over pixels and channels of (x - r)² / (r² + 0.01), nothing clipped. Both pictures
+/// in the scene's own units. `None` where their sizes differ or there is no pixel.
 pub fn relative_mse(picture: &[[f32; 3]], reference: &[[f32; 3]]) -> Option<f64> {
     if picture.len() != reference.len() || picture.is_empty() {
         return None;

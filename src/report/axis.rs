@@ -1,7 +1,7 @@
 //! An axis of a chart: from values to places along a line, with ticks at round values.
 //!
-//! Comes in: an [`Axis`] and the values to show. Goes out: a [`Ruler`]. Values that the scale cannot show (not finite, or,
-//! on a logarithmic one, not above 0) have no place.
+//! Comes in: an [`Axis`] and the values to show. Goes out: a [`Ruler`]. Values that the scale cannot show (not finite,
+//! or, on a logarithmic one, not above 0) have no place.
 
 use super::number;
 

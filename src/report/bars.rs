@@ -62,7 +62,9 @@ impl Bars {
                             title id=(label) { (self.title) }
                             line.zero x1=(unit(ruler.clamped(0.0))) y1="18" x2=(unit(ruler.clamped(0.0)))
                                 y2=(ROW * self.bars.len() as f64) {}
-                            @for (i, bar) in self.bars.iter().enumerate() { (row(bar, &self.unit, ROW * i as f64, &ruler)) }
+                            @for (i, bar) in self.bars.iter().enumerate() {
+                                (row(bar, &self.unit, ROW * i as f64, &ruler))
+                            }
                         }
                     },
                     None => p.gap { "No figures to draw." },

@@ -1,7 +1,7 @@
 //! A chart: series of points in a plane, with whiskers, fitted power laws and the interval of their slopes.
 //!
-//! Comes in: a [`Chart`]. Goes out: a figure of title, legend, drawing, what could not be drawn and why, and the numbers
-//! as a table. A series differs from the others by colour and by the shape of its marks.
+//! Comes in: a [`Chart`]. Goes out: a figure of title, legend, drawing, what could not be drawn and why, and the
+//! numbers as a table. A series differs from the others by colour and by the shape of its marks.
 
 use maud::{Markup, html};
 
@@ -71,6 +71,10 @@ impl Series {
 /// Digits of the numbers in tables and tips.
 pub(super) const DIGITS: usize = 4;
 
+/// What lines and bands of fits mean.
+const FIT_NOTE: &str = "Lines: power laws by least squares. Shaded: laws through the points' centre whose slope is in \
+                        its 95 % interval.";
+
 impl Chart {
     /// The figure; `id` is unique on the page.
     pub(super) fn markup(&self, id: &str) -> Markup {
@@ -117,8 +121,7 @@ impl Chart {
                 }
             }
             @if self.series.iter().any(|series| series.fit.is_some()) {
-                p.note { "Lines: power laws by least squares. Shaded: laws through the points' centre whose slope is in its
-                    95 % interval." }
+                p.note { (FIT_NOTE) }
             }
         }
     }

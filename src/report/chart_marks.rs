@@ -1,7 +1,7 @@
 //! The drawing of a chart: grid, axes, bands, lines, whiskers, marks.
 //!
-//! Comes in: a chart and its two rulers. Goes out: one SVG element. Colours are classes (`s0` to `s7`), which page.css gives
-//! a value for light and dark; places are in units of the drawing, 1/560 of its width.
+//! Comes in: a chart and its two rulers. Goes out: one SVG element. Colours are classes (`s0` to `s7`), which page.css
+//! gives a value for light and dark; places are in units of the drawing, 1/560 of its width.
 
 use std::fmt::Write;
 

@@ -95,7 +95,8 @@ mod tests {
         assert!(fit.slope_high - fit.slope_low < 1e-10);
     }
 
-    /// log10 points (0, 0), (1, 1.1), (2, 1.9): slope 0.95, residuals ∓0.05, 0.1: s² = 0.015, se = √(0.015 / 2), t = 12.706.
+    /// log10 points (0, 0), (1, 1.1), (2, 1.9): slope 0.95, residuals ∓0.05, 0.1: s² = 0.015, se = √(0.015 / 2), t =
+    /// 12.706.
     #[test]
     fn the_interval_is_students() {
         let fit = Fit::of(&points(&[(1.0, 1.0), (10.0, 10f64.powf(1.1)), (100.0, 10f64.powf(1.9))])).unwrap();

@@ -1,8 +1,8 @@
 //! The report: findings, charts and pictures as one HTML page that needs nothing else.
 //!
 //! Comes in: a [`Report`] of plain values; this module knows nothing of studies or renders. Goes out: the text of one
-//! file ([`Report::to_html`]), which opens without a network, in light and dark, with and without scripts. The page is a
-//! function of the report alone. What is missing or is not a number leaves a gap that is stated in words beside the
+//! file ([`Report::to_html`]), which opens without a network, in light and dark, with and without scripts. The page is
+//! a function of the report alone. What is missing or is not a number leaves a gap that is stated in words beside the
 //! chart; it never breaks the page.
 //!
 //! ```text

@@ -1,8 +1,8 @@
 //! The Cornell box beside what is published of it: a section of the report.
 //!
-//! Comes in: our picture of the box by the published camera. Goes out: the picture beside Mitsuba 3's of the same data, how
-//! far apart they are, and in words what is compared and what is not. The photograph and the spectra that Cornell measured
-//! are not in any package registry, so no figure here is against a measurement of light.
+//! Comes in: our picture of the box by the published camera. Goes out: the picture beside Mitsuba 3's of the same data,
+//! how far apart they are, and in words what is compared and what is not. The photograph and the spectra that Cornell
+//! measured are not in any package registry, so no figure here is against a measurement of light.
 
 use crate::compare::read::{DataWindow, ExrPicture};
 use crate::compare::{Comparison, difference::luminance};
@@ -12,14 +12,15 @@ use crate::{Error, Result};
 
 /// Width and height of the reference in pixels.
 pub const SIDE: u32 = 64;
-/// Vertical field of view in degrees of the published camera: 2 atan(0.0125 / 0.035), a film of 25 mm behind a focal length
-/// of 35 mm.
+/// Vertical field of view in degrees of the published camera: 2 atan(0.0125 / 0.035), a film of 25 mm behind a focal
+/// length of 35 mm.
 pub const VFOV: f64 = 39.307_7;
 /// Surface scatterings of a path in the reference.
 pub const MAX_BOUNCES: u32 = 8;
 /// Samples a pixel of the reference, over its 16 seeds.
 const REFERENCE_SPP: u32 = 16 * 512;
-/// Mean, then variance of the mean, of each pixel and channel, f32 little-endian; made by `tests/golden/mitsuba_golden.py`.
+/// Mean, then variance of the mean, of each pixel and channel, f32 little-endian; made by
+/// `tests/golden/mitsuba_golden.py`.
 const REFERENCE: &[u8] = include_bytes!("../../tests/golden/cornell-box.bin");
 
 /// A render of the box as the reference was rendered.
@@ -35,8 +36,8 @@ pub struct Rendered {
     pub seconds: f64,
 }
 
-/// Gives `scenes/cornell-box.toml` the reference's film: square, by a box filter, the field of view the published one. Position
-/// and direction of its camera are the published ones already. To be rendered with [`MAX_BOUNCES`].
+/// Gives `scenes/cornell-box.toml` the reference's film: square, by a box filter, the field of view the published one.
+/// Position and direction of its camera are the published ones already. To be rendered with [`MAX_BOUNCES`].
 pub fn prepare(scene: &mut Scene) {
     (scene.film.width, scene.film.height, scene.film.filter) = (SIDE, SIDE, Filter::Box);
     scene.camera.vfov = VFOV;
@@ -72,9 +73,9 @@ pub fn section(ours: &Rendered, command: &str) -> Result<Section> {
         Block::Text("What is compared, and what cannot be:".into()),
         Block::Table(compared()),
         Block::Text(
-            "No registry of packages (crates.io, PyPI, npm, Debian) has Cornell's photograph, its calibrated camera data or its \
-             measured spectra. Agreement with another renderer of the same numbers shows that both solve the same equation; \
-             it does not show how near either is to the box in Cornell's laboratory."
+            "No registry of packages (crates.io, PyPI, npm, Debian) has Cornell's photograph, its calibrated camera \
+             data or its measured spectra. Agreement with another renderer of the same numbers shows that both solve \
+             the same equation; it does not show how near either is to the box in Cornell's laboratory."
                 .into(),
         ),
     ];
@@ -86,8 +87,8 @@ fn finding(comparison: &Comparison, ours: &Rendered) -> Vec<String> {
     let mut finding = Vec::new();
     match &comparison.figures {
         Some(figures) => finding.push(format!(
-            "With {} samples a pixel ({:.1} s) our picture of the published data is {:.2} % from Mitsuba's (relative RMSE \
-             over pixels and channels){}.",
+            "With {} samples a pixel ({:.1} s) our picture of the published data is {:.2} % from Mitsuba's (relative \
+             RMSE over pixels and channels){}.",
             ours.spp,
             ours.seconds,
             100.0 * figures.relative_mse.sqrt(),
@@ -98,8 +99,8 @@ fn finding(comparison: &Comparison, ours: &Rendered) -> Vec<String> {
     if let Some(tiles) = comparison.tiles {
         let largest = tiles.largest_z.map_or("unknown".into(), |z| format!("{z:.1}"));
         finding.push(format!(
-            "{} of {} tests of tiles (16x16 pixels, a channel) find more than noise; the largest |z| is {largest}, of so many \
-             tests {:.1} is the limit.",
+            "{} of {} tests of tiles (16x16 pixels, a channel) find more than noise; the largest |z| is {largest}, \
+             of so many tests {:.1} is the limit.",
             tiles.failed, tiles.tests, tiles.critical_z
         ));
     }

@@ -1,5 +1,5 @@
-//! The page in a browser: `cargo test --release --test report -- --ignored chromium` (CHROMIUM names another program). What
-//! the normal tests cannot see: that style and script are understood, and that nothing is said on the console.
+//! The page in a browser: `cargo test --release --test report -- --ignored chromium` (CHROMIUM names another program).
+//! What the normal tests cannot see: that style and script are understood, and that nothing is said on the console.
 
 use std::fs;
 use std::process::Command;
@@ -73,7 +73,8 @@ fn chromium_shows_every_point_and_says_nothing() {
     }
 }
 
-/// Writes the sample's page, for looking at: `REPORT=page.html cargo test --release --test report -- --ignored written`.
+/// Writes the sample's page, for looking at: `REPORT=page.html cargo test --release --test report -- --ignored
+/// written`.
 #[test]
 #[ignore = "writes the page that REPORT names"]
 fn the_sample_is_written() {

@@ -1,4 +1,5 @@
-//! The report's page: whole, self-contained, with a mark for each point that has a place and a sentence for each that has none.
+//! The report's page: whole, self-contained, with a mark for each point that has a place and a sentence for each that
+//! has none.
 
 mod browser;
 mod sample;

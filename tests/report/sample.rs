@@ -1,4 +1,5 @@
-//! A report that has everything: charts of both scales, whiskers, fits, bars, tables, pictures, and what is missing of each.
+//! A report that has everything: charts of both scales, whiskers, fits, bars, tables, pictures, and what is missing of
+//! each.
 
 use texray::report::{
     Axis, Bar, Bars, Block, Chart, NamedPicture, Pictures, Point, Report, Scale, Section, Series, Table,
