@@ -2,6 +2,7 @@
 //! What the normal tests cannot see: that style and script are understood, and that nothing is said on the console.
 
 use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use scraper::{Html, Selector};
@@ -73,11 +74,12 @@ fn chromium_shows_every_point_and_says_nothing() {
     }
 }
 
-/// Writes the sample's page, for looking at: `REPORT=page.html cargo test --release --test report -- --ignored
-/// written`.
+/// Writes the sample's page, for looking at: to the file that REPORT names, or into the build's folder for tests.
 #[test]
-#[ignore = "writes the page that REPORT names"]
+#[ignore = "writes a page to look at"]
 fn the_sample_is_written() {
-    let path = std::env::var_os("REPORT").expect("REPORT names the file to write");
-    fs::write(path, sample::report().to_html()).expect("the page can be written");
+    let named = std::env::var_os("REPORT").map(PathBuf::from);
+    let path = named.unwrap_or_else(|| Path::new(env!("CARGO_TARGET_TMPDIR")).join("report.html"));
+    fs::write(&path, sample::report().to_html()).expect("the page can be written");
+    println!("{}", path.display());
 }
