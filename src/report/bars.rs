@@ -60,8 +60,6 @@ impl Bars {
                         svg viewBox=(format!("0 0 {WIDTH} {}", ROW * self.bars.len() as f64)) role="img"
                             aria-labelledby=(label) {
                             title id=(label) { (self.title) }
-                            line.zero x1=(unit(ruler.clamped(0.0))) y1="18" x2=(unit(ruler.clamped(0.0)))
-                                y2=(ROW * self.bars.len() as f64) {}
                             @for (i, bar) in self.bars.iter().enumerate() {
                                 (row(bar, &self.unit, ROW * i as f64, &ruler))
                             }
@@ -110,6 +108,7 @@ fn row(bar: &Bar, unit_name: &str, top: f64, ruler: &Ruler) -> Markup {
     );
     html! {
         text.name x=(LEFT) y=(name_at) { (cut(&bar.name)) }
+        line.zero x1=(unit(zero)) y1=(bar_at - 3.0) x2=(unit(zero)) y2=(bar_at + BAR + 3.0) {}
         rect.mark.s0 x=(unit(end.min(zero))) y=(bar_at) width=(unit((end - zero).abs().max(1.0))) height=(BAR) {
             title { (tip.trim_end()) }
         }
