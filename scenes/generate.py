@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Write the committed scenes' OBJ and MTL files: generate.py [BUNNY_INDEX_JS TEAPOT_JS]
+Write a hall with N lanterns into fetched/lanterns-N.obj and .toml: generate.py lanterns=N
 
 Python's standard library alone; the output is the same on every machine. Without arguments the bunny and teapot are
 read back from bunny.obj and teapot.obj, so that `room` can be made without the npm packages they come from.
@@ -7,6 +8,7 @@ read back from bunny.obj and teapot.obj, so that `room` can be made without the 
 import json
 import math
 import os
+import random
 import re
 import sys
 
@@ -269,7 +271,41 @@ def room():
     obj.save("room.obj")
 
 
+def lanterns(name, count, mtl="lanterns.mtl"):
+    """Lanterns of four glowing triangles in the upper half of a hall; the more there are, the smaller they are."""
+    obj = Obj("A hall of 6 x 3 x 6 with five blocks and %s lanterns of four triangles each." % format(count, ","), mtl)
+    obj.use("wall")
+    box(obj, (-3, 0, -3), (3, 3, 3), inward=True)
+    obj.use("block")
+    for x, z, height in ((-1.6, -1.4, 1.1), (1.4, -1.7, 0.8), (0.1, -0.2, 0.5), (-1.2, 1.1, 0.4), (1.7, 0.8, 0.9)):
+        box(obj, (x - 0.35, 0, z - 0.35), (x + 0.35, height, z + 0.35))
+    numbers = random.Random(1)
+    between = lambda low, high: low + (high - low) * numbers.random()
+    size = 0.06 * (50 / count) ** 0.5
+    for _ in range(count):
+        obj.use(numbers.choice(("amber", "rose", "ice")))
+        x, y, z = between(-2.8, 2.8), between(1.5, 2.9), between(-2.8, 2.8)
+        turn = between(0, 2 * math.pi)
+        foot = [(x + size * math.cos(turn + k * 2 * math.pi / 3), y, z - size * math.sin(turn + k * 2 * math.pi / 3))
+                for k in range(3)]
+        obj.mesh(foot + [(x, y + 1.6 * size, z)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+    obj.save(name + ".obj")
+
+
+def more_lanterns(count):
+    """As the committed hall, with another number of lanterns, in fetched/."""
+    os.makedirs(os.path.join(HERE, "fetched"), exist_ok=True)
+    lanterns("fetched/lanterns-%d" % count, count, "../lanterns.mtl")
+    with open(os.path.join(HERE, "lanterns.toml"), encoding="utf-8") as file:
+        text = file.read().replace('"lanterns.obj"', '"lanterns-%d.obj"' % count)
+    with open(os.path.join(HERE, "fetched", "lanterns-%d.toml" % count), "w", newline="\n") as file:
+        file.write(text)
+
+
 if __name__ == "__main__":
+    if len(sys.argv) == 2 and sys.argv[1].startswith("lanterns="):
+        more_lanterns(int(sys.argv[1].partition("=")[2]))
+        raise SystemExit
     if len(sys.argv) not in (1, 3):
         raise SystemExit(__doc__)
     cornell()
@@ -277,3 +313,7 @@ if __name__ == "__main__":
     stage()
     furnace()
     room()
+    save_mtl("lanterns.mtl", "The hall of lanterns.", [
+        ("wall", ["Kd 0.6 0.58 0.55"]), ("block", ["Kd 0.45 0.4 0.38"]),
+        ("amber", ["Kd 0 0 0", "Ke 60 30 8"]), ("rose", ["Kd 0 0 0", "Ke 40 12 20"]), ("ice", ["Kd 0 0 0", "Ke 6 14 24"])])
+    lanterns("lanterns", 50)
