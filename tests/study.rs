@@ -1,10 +1,15 @@
-//! `texray study`: the rows are whole, a stopped study goes on, peers are run as their scripts want it, refusals are one line.
+//! `texray study`: the rows are whole, a stopped study goes on, peers are run as their scripts want it, the report has what was
+//! measured, refusals are one line.
+
+mod harness;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use harness::device::{assert_valid, context};
 use serde_json::Value;
+use texray::study::{self, Amount, Ended, Kind, Origin, Plan, Rows, Watch, child::Child, page};
 
 const REPEATS: usize = 3;
 
@@ -36,11 +41,12 @@ fn succeeded(output: &Output) -> String {
 /// What it was asked is kept in `asked`.
 #[cfg(unix)]
 fn fake_python(folder: &Path) -> PathBuf {
-    use std::os::unix::fs::PermissionsExt;
     let picture = folder.join("peer.exr");
     let mut render = Command::new(env!("CARGO_BIN_EXE_texray"));
     render.arg("render").arg(scene()).args(["--size", "160x120", "--spp", "16", "--filter", "box", "-q", "-o"]);
     succeeded(&render.arg(&picture).output().expect("texray starts"));
+    // Blender may be installed here: Cycles is to be left out.
+    program(&folder.join("blender"), "#!/bin/sh\nexit 1\n");
     let python = folder.join("python");
     let asked = folder.join("asked");
     let script = format!(
@@ -49,9 +55,15 @@ fn fake_python(folder: &Path) -> PathBuf {
         asked.display(),
         picture.display()
     );
-    fs::write(&python, script).expect("the script can be written");
-    fs::set_permissions(&python, fs::Permissions::from_mode(0o755)).expect("the script can be made a program");
+    program(&python, &script);
     python
+}
+
+#[cfg(unix)]
+fn program(path: &Path, script: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    fs::write(path, script).expect("the script can be written");
+    fs::set_permissions(path, fs::Permissions::from_mode(0o755)).expect("the script can be made a program");
 }
 
 #[cfg(unix)]
@@ -63,6 +75,9 @@ fn speed_is_measured_beside_a_peer_and_goes_on_where_it_stopped() {
     let run = |json: bool| {
         let mut command = speed(&out);
         command.arg("--peers").arg(folder.path()).env("MITSUBA_PYTHON", &python);
+        let others = std::env::var_os("PATH").unwrap_or_default();
+        let paths = [folder.path().to_owned()].into_iter().chain(std::env::split_paths(&others));
+        command.env("PATH", std::env::join_paths(paths).expect("paths without a colon"));
         command.args(json.then_some("--json")).output().expect("texray starts")
     };
     let first = run(false);
@@ -109,6 +124,89 @@ fn speed_is_measured_beside_a_peer_and_goes_on_where_it_stopped() {
     assert_eq!(progress.lines().filter(|line| line.contains(&format!("/{} ", rows.len()))).count(), 2, "{progress}");
 }
 
+/// Lets a number of measurements be made, then asks for a stop.
+struct Patience {
+    left: usize,
+}
+
+impl Watch for Patience {
+    fn measured(&mut self, _done: usize, _total: usize, _line: &str) {
+        self.left -= 1;
+    }
+
+    fn warn(&mut self, line: &str) {
+        panic!("{line}");
+    }
+
+    fn stop_requested(&self) -> bool {
+        self.left == 0
+    }
+}
+
+fn least(kind: Kind, out: &Path, patience: usize) -> (Ended, Rows) {
+    let plan = Plan {
+        scenes: if kind.takes_scenes() { vec![scene()] } else { Vec::new() },
+        amount: Amount::Least,
+        folder: out.into(),
+        child: Child { program: env!("CARGO_BIN_EXE_texray").into(), device: None },
+        peers: None,
+    };
+    let origin = Origin {
+        study: kind.name().into(),
+        version: "test".into(),
+        kernel: "test".into(),
+        device: context().device_info().name.clone(),
+        driver: context().device_info().driver.clone(),
+        cores: 1,
+        command: format!("texray study {}", kind.name()),
+    };
+    let mut rows = Rows::open(out, origin).expect("the folder can be written");
+    let mut patience = Patience { left: patience };
+    let mut study = kind.open(context(), &plan, &mut patience).expect("the study can be made");
+    let ended = study::run(study.as_mut(), &mut rows, &mut patience).expect("the study ends");
+    (ended, rows)
+}
+
+/// Every measurement is made once, next to nothing of it, under validation; a study that was stopped goes on where it was; the report
+/// has a section a study, with its command and its pictures.
+#[test]
+fn studies_measure_every_case_and_are_reported() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path();
+    let mut last = None;
+    // Those with few kernels: drivers take half a second to compile one.
+    for (kind, measurements) in [(Kind::Spp, 6), (Kind::Bounces, 21), (Kind::Transfer, 0)] {
+        let (ended, rows) = least(kind, out, 5);
+        assert_eq!((ended, rows.all().len()), (Ended::Stopped, 5), "{kind:?}");
+        let kept = rows.all().to_vec();
+        let (ended, rows) = least(kind, out, usize::MAX);
+        assert_eq!((ended, &rows.all()[..5]), (Ended::Whole, &kept[..]), "{kind:?}");
+        assert!(measurements == 0 || rows.all().len() == measurements, "{kind:?}: {}", rows.all().len());
+        for row in rows.all() {
+            assert!(row.values.values().all(|value| value.is_finite()), "{row:?}");
+        }
+        let account = kind.account(&rows, out);
+        assert!(!account.findings.is_empty() && !account.tables().is_empty(), "{kind:?}");
+        assert!(account.lines().iter().all(|line| line.chars().count() <= 80), "{:#?}", account.lines());
+        last = Some(rows);
+    }
+    assert_valid(context());
+
+    let rows = last.expect("there were studies");
+    page::write(out, rows.origin()).expect("the report can be written");
+    let html = fs::read_to_string(out.join(page::FILE)).expect("the report is on disk");
+    for words in ["texray study spp", "texray study bounces", "texray study transfer", "by the most bounces of a path"]
+    {
+        assert!(html.contains(words), "{words:?} is not in the report");
+    }
+    // Six pictures and a reference; seven caps, whole and as a detail.
+    let exrs = fs::read_dir(out).expect("a folder").filter(|entry| {
+        entry.as_ref().is_ok_and(|entry| entry.path().extension().is_some_and(|extension| extension == "exr"))
+    });
+    assert_eq!(exrs.count(), 7 + 14);
+    assert!(html.matches("data:image/png").count() >= 7 + 14);
+}
+
 #[test]
 fn refusals() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -118,8 +216,11 @@ fn refusals() {
         (output.status.code(), message.lines().last().unwrap_or_default().to_owned())
     };
     let out = folder.path().join("out");
-    let (code, message) = refused(&mut study(&["transfer"], &out));
-    assert_eq!((code, message.as_str()), (Some(2), "error: study transfer is not built yet"));
+    let (code, message) = refused(&mut study(&["triangles", "scenes/cornell-box.toml"], &out));
+    assert_eq!((code, message.as_str()), (Some(2), "error: study triangles makes its own scenes; give it none"));
+    let twice = ["spp", "scenes/room.toml", "elsewhere/room.toml"];
+    let (code, message) = refused(&mut study(&twice, &out));
+    assert_eq!((code, message.as_str()), (Some(2), "error: elsewhere/room.toml: there are two scenes named room"));
     let (code, _) = refused(&mut study(&["weather"], &out));
     assert_eq!(code, Some(2));
     let (code, message) = refused(&mut study(&["speed", "no-such-scene.toml", "--quick"], &out));

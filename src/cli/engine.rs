@@ -11,7 +11,7 @@ use texray::gpu::{self, Context, ContextOptions, DeviceChoice, DeviceInfo};
 use texray::render::{self, Effects, Observer, RenderReport, Settings};
 use texray::scene::Scene;
 use texray::selftest::{self, Bench, Case, CaseReport, Finding, Tier, startup};
-use texray::study::{Rows, Watch, speed};
+use texray::study::{self, Ended, Kind, Plan, Rows, Watch};
 use texray::{Error, Result};
 
 use super::limits;
@@ -133,9 +133,10 @@ impl Engine {
     }
 
     /// Measures what the rows lack, on a device that passes the start-up probe.
-    pub fn study_speed(&self, plan: &speed::Plan, rows: &mut Rows, watch: &mut dyn Watch) -> Result<speed::Ended> {
+    pub fn study(&self, kind: Kind, plan: &Plan, rows: &mut Rows, watch: &mut dyn Watch) -> Result<Ended> {
         startup::check(&self.context)?;
-        speed::run(&self.context, plan, rows, watch)
+        let mut study = kind.open(&self.context, plan, watch)?;
+        study::run(study.as_mut(), rows, watch)
     }
 
     /// What validation has complained about so far.

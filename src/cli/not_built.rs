@@ -20,16 +20,11 @@ const OPTIONS: [&str; 12] = [
     "--resume",
 ];
 
-const STUDIES: [&str; 9] =
-    ["transfer", "thesis", "convergence", "bounces", "triangles", "spp", "precision", "effects", "all"];
-
-/// The subcommand, study or option that `error` is about, where it is a name not built yet.
+/// The subcommand or option that `error` is about, where it is a name not built yet.
 pub fn named_by(error: &Error) -> Option<String> {
     let named = |kind, names: &[&str]| match error.get(kind) {
         Some(ContextValue::String(name)) => names.contains(&name.as_str()).then(|| name.clone()),
         _ => None,
     };
-    named(ContextKind::InvalidSubcommand, &SUBCOMMANDS)
-        .or_else(|| named(ContextKind::InvalidValue, &STUDIES).map(|study| format!("study {study}")))
-        .or_else(|| named(ContextKind::InvalidArg, &OPTIONS))
+    named(ContextKind::InvalidSubcommand, &SUBCOMMANDS).or_else(|| named(ContextKind::InvalidArg, &OPTIONS))
 }

@@ -2,13 +2,12 @@
 //!
 //! Comes in: a study's name, scenes, a folder. Goes out: raw rows in the folder, a summary (or one JSON document) on stdout.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use texray::study::speed::{self, Ended, Plan, Scale};
-use texray::study::{Origin, Row, Rows, Watch, child::Child, peers::Peers};
+use texray::study::{Amount, Ended, Kind, Origin, Plan, Row, Rows, Watch, child::Child, page, peers::Peers};
 use texray::{Error, Result};
 
 use super::engine::Engine;
@@ -22,7 +21,7 @@ pub struct StudyArgs {
     /// What to study
     #[arg(value_enum)]
     what: What,
-    /// Scenes [default: scenes/cornell-box.toml, and scenes/fetched/dragon*.toml as far as fetch.sh has brought them]
+    /// Scenes [default: some of scenes/, by the study; the dragons as far as fetch.sh has brought them]
     #[arg(value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     /// Folder for the raw figures; a study that was stopped goes on from what it finds there
@@ -44,19 +43,72 @@ pub struct StudyArgs {
 }
 
 /// Studies.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum What {
+    /// Pictures, error and time at 1 to 1,500 samples a pixel
+    Spp,
+    /// Brightness, bias and time for 1 to 30 bounces a path
+    Bounces,
+    /// Error against time for samplers, light strategies, hemisphere sampling and roulette
+    Convergence,
+    /// Time for 1 to a million triangles, scattered and clustered, with the default tree, the thesis's and none
+    Triangles,
+    /// What each change from the methods of the 2022 thesis to the defaults buys
+    Thesis,
+    /// What each effect costs in time, instructions and bytes, and the error without it
+    Effects,
+    /// What each numerical guard costs in time, and the error without it
+    Precision,
+    /// Gigabytes a second between host and device, and their share of a render
+    Transfer,
     /// Paths a second, the error of a sample, start-up; beside other renderers with --peers
     Speed,
+    /// The Cornell box by the published camera, beside another renderer's picture of the same data
+    Cornell,
+    /// All of them, one after the other
+    All,
+}
+
+impl What {
+    fn kinds(self) -> Vec<Kind> {
+        vec![match self {
+            What::Spp => Kind::Spp,
+            What::Bounces => Kind::Bounces,
+            What::Convergence => Kind::Convergence,
+            What::Triangles => Kind::Triangles,
+            What::Thesis => Kind::Thesis,
+            What::Effects => Kind::Effects,
+            What::Precision => Kind::Precision,
+            What::Transfer => Kind::Transfer,
+            What::Speed => Kind::Speed,
+            What::Cornell => Kind::Cornell,
+            What::All => return Kind::ALL.to_vec(),
+        }]
+    }
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct Document {
     schema: u32,
-    origin: &'a Origin,
-    rows: &'a [Row],
-    summary: Vec<String>,
+    #[serde(flatten)]
+    studied: Studied,
     stopped_by: Option<u8>,
+}
+
+/// The document of several studies.
+#[derive(Serialize)]
+struct Documents {
+    schema: u32,
+    studies: Vec<Studied>,
+    stopped_by: Option<u8>,
+}
+
+/// A study that has been run, to its end or not.
+#[derive(Serialize)]
+struct Studied {
+    origin: Origin,
+    rows: Vec<Row>,
+    summary: Vec<String>,
 }
 
 /// Tells what is measured and how long the rest will take.
@@ -87,45 +139,76 @@ impl Watch for Teller {
 impl StudyArgs {
     /// Measures what the folder lacks, then prints.
     pub fn run(&self) -> Result<Outcome> {
-        let What::Speed = self.what;
         let signals = Signals::watch()?;
-        let scenes = if self.scenes.is_empty() { default_scenes() } else { self.scenes.clone() };
-        let scale = if self.quick { Scale::QUICK } else { Scale::FULL };
+        let kinds = self.what.kinds();
         let engine = Engine::open(self.device.as_deref(), false)?;
         let program = std::env::current_exe()
             .map_err(|error| Error::Internal(format!("this program's own file is not known: {error}")))?;
         let python = std::env::var_os("MITSUBA_PYTHON").map_or_else(|| "python3".into(), PathBuf::from);
         let plan = Plan {
-            scale,
+            scenes: self.scenes.clone(),
+            amount: if self.quick { Amount::Quick } else { Amount::Full },
+            folder: self.out.clone(),
             child: Child { program, device: self.device.clone() },
             peers: self.peers.clone().map(|scripts| Peers { scripts, python }),
-            scenes,
         };
-        let mut rows = Rows::open(&self.out, self.origin(&engine, &plan.scenes))?;
         streams::say(&format!("device {}", engine.device().summary));
-        let mut teller = Teller { signals: signals.clone(), started: Instant::now(), first_done: None };
-        let ended = engine.study_speed(&plan, &mut rows, &mut teller)?;
-        let pixels = f64::from(scale.size[0]) * f64::from(scale.size[1]);
-        let summary = speed::summary(&rows, pixels);
-        let stopped_by = if ended == Ended::Stopped { signals.received() } else { None };
-        if self.json {
-            let document = Document { schema: 1, origin: rows.origin(), rows: rows.all(), summary, stopped_by };
-            streams::answer_json(&document)?;
-        } else {
-            streams::answer(&summary.join("\n"))?;
+        let mut studies = Vec::new();
+        let mut ended = Ended::Whole;
+        for (index, &kind) in kinds.iter().enumerate() {
+            let missing = |path: &PathBuf| !path.exists();
+            if self.what == What::All && !kind.takes_scenes() && kind.default_scenes(plan.amount).iter().any(missing) {
+                streams::say(&format!("study {} is left out: its scene is not here", kind.name()));
+                continue;
+            }
+            // A study with scenes of its own has no use for others, and is no reason for `all` to fail.
+            let scenes = if self.what == What::All && !kind.takes_scenes() { Vec::new() } else { self.scenes.clone() };
+            let plan = Plan { scenes, ..plan.clone() };
+            let mut rows = Rows::open(&self.out, self.origin(&engine, kind, &plan))?;
+            if kinds.len() > 1 {
+                streams::say(&format!("study {} of {}: {}", index + 1, kinds.len(), kind.name()));
+            }
+            let mut teller = Teller { signals: signals.clone(), started: Instant::now(), first_done: None };
+            let how = engine.study(kind, &plan, &mut rows, &mut teller)?;
+            page::write(&self.out, rows.origin())?;
+            let summary = kind.account(&rows, &self.out).lines();
+            studies.push(Studied { origin: rows.origin().clone(), rows: rows.all().to_vec(), summary });
+            ended = how;
+            if ended == Ended::Stopped {
+                break;
+            }
         }
+        let stopped_by = if ended == Ended::Stopped { signals.received() } else { None };
+        self.tell(studies, stopped_by)?;
         Ok(stopped_by.map_or(Outcome::Done, Outcome::Signal))
     }
 
-    /// What makes rows comparable. The command names everything that changes what is measured.
-    fn origin(&self, engine: &Engine, scenes: &[PathBuf]) -> Origin {
-        let mut command = String::from("texray study speed");
+    fn tell(&self, mut studies: Vec<Studied>, stopped_by: Option<u8>) -> Result<()> {
+        if !self.json {
+            let text: Vec<String> = studies.iter().map(|study| study.summary.join("\n")).collect();
+            return streams::answer(&text.join("\n\n"));
+        }
+        match (self.what, studies.pop()) {
+            (What::All, last) => {
+                studies.extend(last);
+                streams::answer_json(&Documents { schema: 1, studies, stopped_by })
+            }
+            (_, Some(studied)) => streams::answer_json(&Document { schema: 1, studied, stopped_by }),
+            (_, None) => Ok(()),
+        }
+    }
+
+    /// What makes rows comparable. The command names everything that changes what is measured; a study that is part of `all`
+    /// has the command of its own, and goes on from rows that it left.
+    fn origin(&self, engine: &Engine, kind: Kind, plan: &Plan) -> Origin {
+        let mut command = format!("texray study {}", kind.name());
+        let scenes = if plan.scenes.is_empty() { kind.default_scenes(plan.amount) } else { plan.scenes.clone() };
         scenes.iter().for_each(|scene| command += &format!(" {}", scene.display()));
         if self.quick {
             command += " --quick";
         }
         Origin {
-            study: "speed".into(),
+            study: kind.name().into(),
             version: env!("CARGO_PKG_VERSION").into(),
             kernel: engine.kernel_hash(),
             device: engine.device().name.clone(),
@@ -134,17 +217,4 @@ impl StudyArgs {
             command,
         }
     }
-}
-
-/// The repository's scenes, as far as they are there.
-fn default_scenes() -> Vec<PathBuf> {
-    let scenes = ["scenes/cornell-box.toml", "scenes/fetched/dragon-res2.toml", "scenes/fetched/dragon.toml"];
-    // The first is kept, there or not: its absence is to be told.
-    scenes
-        .into_iter()
-        .map(PathBuf::from)
-        .enumerate()
-        .filter(|(i, path)| *i == 0 || Path::exists(path))
-        .map(|(_, path)| path)
-        .collect()
 }

@@ -7,6 +7,7 @@
 //! - `Device`: device-local.
 //! - `Upload`: host-visible and coherent, outside the device's own memory: the host writes it once, front to back, and
 //!   the device reads it once, while copying.
+//! - `Host`: the one that is asked for, if the host reaches it.
 //! - `Readback`: the same and host-cached: uncached memory is read by the host at a crawl.
 //!
 //! Host-visible memory is always coherent here (Vulkan promises that such a type exists), so there is nothing to flush
@@ -91,15 +92,20 @@ fn choose_type(device: &Device, type_bits: u32, memory: Memory) -> Result<(usize
     let host = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
     let cached = host | vk::MemoryPropertyFlags::HOST_CACHED;
     // Wanted and unwanted properties, best first.
+    let asked_for = if let Memory::Host(index) = memory { Some(index) } else { None };
     let wishes: &[_] = match memory {
         Memory::Device => &[(LOCAL, NONE), (NONE, NONE)],
         Memory::Upload => &[(host, LOCAL), (host, NONE)],
+        Memory::Host(_) => &[(host, NONE)],
         Memory::Readback => &[(cached, LOCAL), (cached, NONE), (host, NONE)],
     };
     let types = &device.memory_types;
     let fits = |index: usize, (wanted, unwanted): (vk::MemoryPropertyFlags, vk::MemoryPropertyFlags)| {
         let flags = types[index].property_flags;
-        type_bits & (1 << index) != 0 && flags.contains(wanted) && !flags.intersects(unwanted)
+        asked_for.is_none_or(|asked_for| asked_for == index)
+            && type_bits & (1 << index) != 0
+            && flags.contains(wanted)
+            && !flags.intersects(unwanted)
     };
     let found = wishes.iter().find_map(|&wish| (0..types.len()).find(|&index| fits(index, wish)));
     let index = found.ok_or_else(|| Error::NoDevice(format!("{} has no memory type for buffers", device.info.name)))?;

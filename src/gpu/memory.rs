@@ -39,6 +39,8 @@ pub enum Memory {
     Upload,
     /// The device copies into it, the host reads.
     Readback,
+    /// The host alone, in the memory type of this index: to measure what that takes.
+    Host(usize),
 }
 
 /// A buffer.

@@ -50,8 +50,17 @@ fn module(context: &Context, tuning: &Tuning) -> &'static [u32] {
     }
 }
 
-/// Builds the pipeline, specialised for the scene's effects, its tree and the user's choices. `tree` has the figures of `accel`.
-pub fn path_tracer(
+/// A module and the values of its specialisation constants.
+#[derive(Clone, Debug)]
+pub struct Specialized {
+    /// The module.
+    pub spirv: &'static [u32],
+    /// `(id, value)` of each constant.
+    pub constants: Vec<(u32, u32)>,
+}
+
+/// The module, specialised for the scene's effects, its tree and the user's choices. `tree` has the figures of `accel`.
+pub fn specialized(
     context: &Context,
     settings: &Settings,
     accel: &Accel,
@@ -59,8 +68,8 @@ pub fn path_tracer(
     effects: &Effects,
     buffers: Buffers,
     tuning: &Tuning,
-) -> Result<Arc<ComputePipeline>> {
-    let mut specialization = vec![
+) -> Specialized {
+    let mut constants = vec![
         (SPEC_WORKGROUP_X, WORKGROUP[0]),
         (SPEC_WORKGROUP_Y, WORKGROUP[1]),
         (SPEC_STORAGE_RECORDS, u32::from(buffers == Buffers::Storage)),
@@ -76,15 +85,20 @@ pub fn path_tracer(
         (SPEC_TESTS_A_VISIT, tuning.tests_a_visit.unwrap_or_else(|| tests_a_visit(tree))),
         (SPEC_WITHOUT_GUARD, tuning.without_guard.map_or(GUARD_NONE, Guard::number)),
     ];
-    specialization.extend((0..EFFECTS).map(|effect| (SPEC_EFFECTS + effect, u32::from(effects.is_on(effect)))));
+    constants.extend((0..EFFECTS).map(|effect| (SPEC_EFFECTS + effect, u32::from(effects.is_on(effect)))));
+    Specialized { spirv: module(context, tuning), constants }
+}
+
+/// Makes the pipeline of a [`specialized`] module.
+pub fn path_tracer(context: &Context, kernel: &Specialized) -> Result<Arc<ComputePipeline>> {
     ComputePipeline::shared(
         context,
         &PipelineDesc {
             name: "path tracer",
-            spirv: module(context, tuning),
+            spirv: kernel.spirv,
             bindings: &bindings(),
             push_constant_bytes: PUSH_CONSTANT_BYTES,
-            specialization: &specialization,
+            specialization: &kernel.constants,
         },
     )
 }

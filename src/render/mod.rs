@@ -41,7 +41,7 @@ pub struct Rendered {
 }
 
 /// Sizes that no picture depends on: they trade memory, speed and responsiveness. Tests pin them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tuning {
     /// Tile size in pixels; otherwise the largest that fits.
     pub tile: Option<[u32; 2]>,
@@ -55,6 +55,8 @@ pub struct Tuning {
     pub tests_a_visit: Option<u32>,
     /// An effect (`interface::EFFECT_*`) to leave out though the scene calls for it: the control of the effects test.
     pub without_effect: Option<u32>,
+    /// An effect to have though nothing calls for it: what its code alone costs.
+    pub with_effect: Option<u32>,
     /// The module that leaves NaN to the driver, though the device can be asked to keep it.
     pub nan_by_driver: bool,
     /// A guard to leave out, to show what it is for. Unlike the sizes above, it changes pictures.

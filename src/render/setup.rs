@@ -55,7 +55,11 @@ impl Renderer {
         if let Some(effect) = tuning.without_effect {
             effects = effects.without(effect);
         }
-        let pipeline = kernel::path_tracer(context, settings, &accel, &tree, &effects, buffers, tuning)?;
+        if let Some(effect) = tuning.with_effect {
+            effects = effects.with(effect);
+        }
+        let kernel = kernel::specialized(context, settings, &accel, &tree, &effects, buffers, tuning);
+        let pipeline = kernel::path_tracer(context, &kernel)?;
         seconds.pipeline = start.elapsed().as_secs_f64();
 
         let tile_size = match tuning.tile {

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::Spread;
 use crate::output::write_whole;
 use crate::{Error, Result};
 
@@ -59,6 +60,14 @@ struct Document {
     rows: Vec<Row>,
 }
 
+impl Origin {
+    /// Whether rows of both may stand in one report: the same program on the same device.
+    pub fn agrees(&self, other: &Origin) -> bool {
+        let part = |origin: &Origin| Origin { study: String::new(), command: String::new(), ..origin.clone() };
+        part(self) == part(other)
+    }
+}
+
 impl Rows {
     /// Opens the study's files in `folder`, which is made if it is not there.
     ///
@@ -77,9 +86,37 @@ impl Rows {
         Ok(rows)
     }
 
+    /// The rows of `study` that are in `folder`, whatever made them; `None` where there are none that can be read.
+    pub fn read(folder: &Path, study: &str) -> Option<Rows> {
+        let json = folder.join(format!("{study}.json"));
+        let document: Document = serde_json::from_str(&std::fs::read_to_string(&json).ok()?).ok()?;
+        Some(Rows { csv: json.with_extension("csv"), json, document })
+    }
+
     /// The rows, in the order in which they were measured.
     pub fn all(&self) -> &[Row] {
         &self.document.rows
+    }
+
+    /// The scenes by name, in the order in which they were measured.
+    pub fn scenes(&self) -> Vec<&str> {
+        let mut scenes: Vec<&str> = Vec::new();
+        for row in self.all() {
+            if !scenes.contains(&row.scene.as_str()) {
+                scenes.push(&row.scene);
+            }
+        }
+        scenes
+    }
+
+    /// The middle of figure `value` over all repeats of a case; `None` where it was not measured.
+    pub fn median(&self, scene: &str, case: &str, value: &str) -> Option<f64> {
+        self.spread(scene, case, value).map(|spread| spread.median)
+    }
+
+    /// Middle and range of figure `value` over all repeats of a case.
+    pub fn spread(&self, scene: &str, case: &str, value: &str) -> Option<Spread> {
+        Spread::of(self.values(scene, case, value))
     }
 
     /// What all have in common.
@@ -102,6 +139,20 @@ impl Rows {
     pub fn add(&mut self, row: Row) -> Result<()> {
         self.document.rows.push(row);
         self.write()
+    }
+
+    /// Rows that are nowhere on disk, to be summed up.
+    #[cfg(test)]
+    pub(super) fn synthetic(rows: &[tests::Synthetic<'_>]) -> Rows {
+        let row = |&(scene, case, repeat, values): &tests::Synthetic<'_>| Row {
+            scene: scene.into(),
+            case: case.into(),
+            repeat,
+            values: values.iter().map(|&(name, value)| (name.into(), value)).collect(),
+        };
+        let mut all = tests::rows_of_nothing();
+        all.document.rows = rows.iter().map(row).collect();
+        all
     }
 
     fn write(&self) -> Result<()> {
@@ -151,6 +202,14 @@ fn quoted(field: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Scene, case, repeat and figures of a row.
+    pub(super) type Synthetic<'a> = (&'a str, &'a str, u32, &'a [(&'a str, f64)]);
+
+    pub(super) fn rows_of_nothing() -> Rows {
+        let document = Document { schema: 1, origin: origin("one"), rows: Vec::new() };
+        Rows { json: PathBuf::new(), csv: PathBuf::new(), document }
+    }
 
     fn origin(device: &str) -> Origin {
         Origin {

@@ -13,28 +13,16 @@
 mod measure;
 mod summary;
 
-use std::path::PathBuf;
+pub use summary::account;
 
-use super::child::Child;
-use super::peers::{Peer, Peers};
-use super::{Rows, Watch};
+use super::peers::Peer;
+use super::schedule::interleaved;
+use super::subject::{Subject, Subjects};
+use super::{Plan, Row, Step, Study, Values, Watch};
+use crate::Result;
 use crate::gpu::{Context, DeviceKind};
-use crate::{Error, Result};
 
-pub use summary::summary;
-
-/// What is to be measured.
-#[derive(Clone, Debug)]
-pub struct Plan {
-    /// Scene files.
-    pub scenes: Vec<PathBuf>,
-    /// How much of it.
-    pub scale: Scale,
-    /// The program itself, for processes of their own.
-    pub child: Child,
-    /// Where the peers are, if they are asked for.
-    pub peers: Option<Peers>,
-}
+use measure::Bench;
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +63,16 @@ impl Scale {
         error_seeds: 1,
         reference_spp: 1024,
         peer_spp: 8,
+    };
+    /// Shows that it runs.
+    pub const LEAST: Scale = Scale {
+        size: [8, 6],
+        error_size: [8, 6],
+        seconds: 1e-3,
+        repeats: 1,
+        error_seeds: 1,
+        reference_spp: 64,
+        peer_spp: 1,
     };
 }
 
@@ -123,73 +121,79 @@ impl Case {
     }
 }
 
-/// How a study ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
-    /// Everything is measured.
-    Whole,
-    /// Stopped by the watch; what there is is on disk.
-    Stopped,
+/// The study.
+pub struct Speed {
+    subjects: Subjects,
+    bench: Bench,
+    cases: Vec<Case>,
+    scale: Scale,
 }
 
-/// Measures what `rows` lack.
-pub fn run(context: &Context, plan: &Plan, rows: &mut Rows, watch: &mut dyn Watch) -> Result<Ended> {
-    if plan.scenes.is_empty() {
-        return Err(Error::Usage("no scene to study".into()));
-    }
-    let peers = match &plan.peers {
-        None => Vec::new(),
-        Some(peers) => {
+impl Speed {
+    /// Peers that are asked for and not there are told to the watch, and left out.
+    pub fn new(context: &Context, plan: &Plan, watch: &mut dyn Watch) -> Result<Speed> {
+        let scale = plan.amount.of(Scale::FULL, Scale::QUICK, Scale::LEAST);
+        let peers = plan.peers.as_ref().map_or_else(Vec::new, |peers| {
             let (installed, missing) = peers.installed();
             missing.iter().for_each(|line| watch.warn(line));
             installed
-        }
-    };
-    let threads = context.device_info().kind == DeviceKind::Cpu;
-    let schedule = schedule(plan.scale, &peers, threads);
-    let total = schedule.len() * plan.scenes.len();
-    let mut done = 0;
-    let mut names: Vec<String> = Vec::new();
-    for path in &plan.scenes {
-        let mut bench = measure::SceneBench::load(context, plan, path)?;
-        // Rows go by the scene's name.
-        if names.iter().any(|name| name == bench.name()) {
-            return Err(Error::Usage(format!("{}: there are two scenes named {}", path.display(), bench.name())));
-        }
-        names.push(bench.name().into());
-        for &(case, repeat) in &schedule {
-            done += 1;
-            if rows.has(bench.name(), &case.name(), repeat) {
-                continue;
-            }
-            if watch.stop_requested() {
-                return Ok(Ended::Stopped);
-            }
-            let Some(row) = bench.measure(case, repeat, watch)? else { return Ok(Ended::Stopped) };
-            let line = format!("{} {} {}", row.scene, row.case, summary::headline(&row));
-            rows.add(row)?;
-            watch.measured(done, total, line.trim_end());
-        }
+        });
+        let threads = context.device_info().kind == DeviceKind::Cpu;
+        Ok(Speed {
+            subjects: Subjects::new(context, &plan.scenes)?,
+            bench: Bench::new(scale, plan),
+            cases: cases(&peers, threads),
+            scale,
+        })
     }
-    Ok(Ended::Whole)
 }
 
-/// All cases of a scene, repeat by repeat.
-fn schedule(scale: Scale, peers: &[Peer], threads: bool) -> Vec<(Case, u32)> {
-    let mut timed = vec![Case::NoRoulette, Case::Default, Case::Start { cold: false }, Case::Start { cold: true }];
-    if threads {
-        timed.extend([Case::Threads { one: true }, Case::Threads { one: false }]);
+impl Study for Speed {
+    fn scenes(&self) -> &[String] {
+        self.subjects.names()
     }
-    timed.extend(peers.iter().map(|&peer| Case::Peer(peer)));
-    let mut errors = vec![Case::Error];
+
+    fn case(&self, case: usize) -> String {
+        self.cases[case].name()
+    }
+
+    fn schedule(&self) -> Vec<Step> {
+        schedule(self.subjects.names().len(), &self.cases, self.scale)
+    }
+
+    fn measure(&mut self, step: Step, watch: &mut dyn Watch) -> Result<Option<Values>> {
+        let subject: &mut Subject = self.subjects.at(step.scene)?;
+        self.bench.measure(subject, self.cases[step.case], step.repeat, watch)
+    }
+
+    fn headline(&self, row: &Row) -> String {
+        summary::headline(row)
+    }
+}
+
+/// All cases, errors first: they are of other pictures than what is timed.
+fn cases(peers: &[Peer], threads: bool) -> Vec<Case> {
+    let mut cases = vec![Case::Error];
     // Roulette or not, the peer's error is measured as it comes by default.
-    errors.extend(peers.iter().filter(|&&peer| peer != Peer::MitsubaNoRoulette).map(|&peer| Case::PeerError(peer)));
-    let of = |cases: &[Case], repeats| {
-        (0..repeats)
-            .flat_map(|repeat| cases.iter().map(move |&case| (case, repeat)).collect::<Vec<_>>())
-            .collect::<Vec<_>>()
+    cases.extend(peers.iter().filter(|&&peer| peer != Peer::MitsubaNoRoulette).map(|&peer| Case::PeerError(peer)));
+    cases.extend([Case::NoRoulette, Case::Default, Case::Start { cold: false }, Case::Start { cold: true }]);
+    if threads {
+        cases.extend([Case::Threads { one: true }, Case::Threads { one: false }]);
+    }
+    cases.extend(peers.iter().map(|&peer| Case::Peer(peer)));
+    cases
+}
+
+/// A scene after the other: errors, then what is timed, each repeat by repeat.
+fn schedule(scenes: usize, cases: &[Case], scale: Scale) -> Vec<Step> {
+    let is_error = |case: Case| matches!(case, Case::Error | Case::PeerError(_));
+    let (errors, timed): (Vec<usize>, Vec<usize>) = (0..cases.len()).partition(|&case| is_error(cases[case]));
+    let of = |scene, cases: &[usize], repeats| {
+        interleaved(1, cases, repeats).into_iter().map(move |step| Step { scene, ..step }).collect::<Vec<_>>()
     };
-    [of(&errors, scale.error_seeds), of(&timed, scale.repeats)].concat()
+    (0..scenes)
+        .flat_map(|scene| [of(scene, &errors, scale.error_seeds), of(scene, &timed, scale.repeats)].concat())
+        .collect()
 }
 
 #[cfg(test)]
@@ -197,11 +201,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn repeats_go_through_all_cases_before_any_comes_again() {
-        let schedule = schedule(Scale::QUICK, &[Peer::MitsubaNoRoulette, Peer::Mitsuba], true);
-        let names: Vec<_> = schedule.iter().map(|(case, repeat)| format!("{} {repeat}", case.name())).collect();
+    fn errors_come_first_and_repeats_go_through_all_cases() {
+        let cases = cases(&[Peer::MitsubaNoRoulette, Peer::Mitsuba], true);
+        let schedule = schedule(2, &cases, Scale::QUICK);
+        let names: Vec<_> =
+            schedule.iter().map(|step| format!("{} {}", cases[step.case].name(), step.repeat)).collect();
         assert_eq!(names[..3], ["error 0", "mitsuba error 0", "no-roulette 0"]);
-        assert_eq!(schedule.len(), 2 + 3 * 8);
+        assert_eq!(schedule.len(), 2 * (2 + 3 * 8));
+        assert!(schedule[26..].iter().all(|step| step.scene == 1));
         let first = |name: &str| names.iter().position(|n| n == name).unwrap();
         assert!(first("mitsuba 0") < first("no-roulette 1") && first("threads-all 1") < first("default 2"));
     }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::report::{Bar, Point};
+
 /// What repeats of one measurement gave.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Spread {
@@ -24,6 +26,18 @@ impl Spread {
         let (least, most) = (*values.first()?, *values.last()?);
         let median = (values[(count - 1) / 2] + values[count / 2]) / 2.0;
         median.is_finite().then_some(Spread { median, least, most, count })
+    }
+}
+
+impl Spread {
+    /// The middle at `x` of a chart, the range around it.
+    pub fn point(self, x: f64) -> Point {
+        Point { x, y: self.median, low: Some(self.least), high: Some(self.most) }
+    }
+
+    /// The middle as a bar, the range as its whisker.
+    pub fn bar(self, name: &str) -> Bar {
+        Bar { name: name.into(), value: self.median, low: Some(self.least), high: Some(self.most) }
     }
 }
 

@@ -1,8 +1,9 @@
 //! What the rows say, in words of at most 80 columns.
 
 use super::super::spread::digits;
-use super::super::{Row, Rows, Spread};
+use super::super::{Account, Row, Rows, Spread};
 use super::Case;
+use crate::report::{Bars, Block, Table};
 use crate::study::peers::Peer;
 
 /// The figure of a row that matters most.
@@ -17,15 +18,18 @@ pub fn headline(row: &Row) -> String {
     figure("seconds_first_picture").map(|seconds| format!("{} s", digits(seconds))).unwrap_or_default()
 }
 
-/// Lines about every scene of the rows. Efficiency is 1 / (relMSE · seconds) of the timed picture.
-pub fn summary(rows: &Rows, pixels: f64) -> Vec<String> {
-    let mut scenes: Vec<&str> = Vec::new();
-    for row in rows.all() {
-        if !scenes.contains(&row.scene.as_str()) {
-            scenes.push(&row.scene);
-        }
+/// What the rows say. Efficiency is 1 / (relMSE · seconds) of the timed picture.
+pub fn account(rows: &Rows) -> Account {
+    let mut account = Account::default();
+    for scene in rows.scenes() {
+        let figures = Figures::of(rows, scene);
+        account.text.extend(figures.lines());
+        account.findings.extend(figures.finding());
+        account.figure(Block::Bars(figures.bars()));
+        account.figure(Block::Text(format!("{scene}: medians and ranges of the repeats")));
+        account.figure(Block::Table(figures.table()));
     }
-    scenes.into_iter().flat_map(|scene| Figures { rows, scene, pixels }.lines()).collect()
+    account
 }
 
 struct Figures<'a> {
@@ -34,7 +38,59 @@ struct Figures<'a> {
     pixels: f64,
 }
 
-impl Figures<'_> {
+impl<'a> Figures<'a> {
+    fn of(rows: &'a Rows, scene: &'a str) -> Figures<'a> {
+        let median = |value| rows.median(scene, &Case::Default.name(), value);
+        let paths = median("mpaths_per_second").zip(median("seconds")).map(|(rate, seconds)| 1e6 * rate * seconds);
+        let pixels = paths.zip(median("spp")).map_or(f64::NAN, |(paths, spp)| paths / spp);
+        Figures { rows, scene, pixels }
+    }
+
+    fn finding(&self) -> Option<String> {
+        let rate = self.rate(Case::Default)?;
+        let mut text = format!("{}: {rate} Mpaths/s", self.scene);
+        if let Some(efficiency) = self.efficiency(Case::Default, Case::Error) {
+            text += &format!(", efficiency {} /s", digits(efficiency));
+        }
+        if let Some(start) = self.spread(Case::Start { cold: false }, "seconds_first_picture") {
+            text += &format!(", {} s from the start of the program to the first whole picture", digits(start.median));
+        }
+        Some(text + ".")
+    }
+
+    /// Paths a second, ours and the peers'.
+    fn bars(&self) -> Bars {
+        let ours = [(Case::NoRoulette, "texray, no roulette"), (Case::Default, "texray")];
+        let ours = ours.into_iter().filter_map(|(case, name)| Some(self.rate(case)?.bar(name)));
+        let peers = Peer::ALL.into_iter().filter_map(|peer| Some(self.rate(Case::Peer(peer))?.bar(peer.name())));
+        let title = format!("{}: paths a second", self.scene);
+        Bars { title, unit: "Mpaths/s".into(), bars: ours.chain(peers).collect() }
+    }
+
+    fn table(&self) -> Table {
+        let row = |what: &str, case: Case, value: &str, unit: &str| {
+            let spread = self.spread(case, value)?;
+            Some(vec![what.into(), format!("{} {unit}", digits(spread.median)), format!("{spread}")])
+        };
+        let start = Case::Start { cold: false };
+        let rows = [
+            row("paths, no roulette", Case::NoRoulette, "mpaths_per_second", "Mpaths/s"),
+            row("paths", Case::Default, "mpaths_per_second", "Mpaths/s"),
+            row("rays", Case::Default, "mrays_per_second", "Mrays/s"),
+            row("rays a path", Case::Default, "rays_per_path", ""),
+            row("node visits a ray", Case::Default, "node_visits_per_ray", ""),
+            row("triangle tests a ray", Case::Default, "triangle_tests_per_ray", ""),
+            row("bytes a triangle, tree and positions", Case::Default, "bytes_per_triangle", "bytes"),
+            row("relMSE times samples", Case::Error, "relative_mse_spp", ""),
+            row("start to first picture", start, "seconds_first_picture", "s"),
+            row("the same, shaders not cached", Case::Start { cold: true }, "seconds_first_picture", "s"),
+            row("one thread", Case::Threads { one: true }, "mpaths_per_second", "Mpaths/s"),
+            row("all threads", Case::Threads { one: false }, "mpaths_per_second", "Mpaths/s"),
+        ];
+        let columns = ["what", "median", "median (range)"].map(String::from).into();
+        Table { columns, rows: rows.into_iter().flatten().collect() }
+    }
+
     fn spread(&self, case: Case, value: &str) -> Option<Spread> {
         Spread::of(self.rows.values(self.scene, &case.name(), value))
     }
