@@ -153,14 +153,14 @@ fn what_a_scene_does_not_call_for_is_absent() {
             let entries = ledger.entries().into_iter().filter(|entry| entry.direction == Direction::Absent);
             entries.map(|entry| entry.buffer).collect()
         };
-        assert_eq!(absent("cornell-box", &|_| ()), ["corners", "random"]);
+        assert_eq!(absent("cornell-box", &|_| ()), ["corners", "random", "light nodes"]);
         let least = |settings: &mut Settings| {
             settings.accel = AccelKind::Brute;
             settings.filter = Filter::Box;
         };
-        assert_eq!(absent("cornell-box", &least), ["nodes", "corners", "filter", "random"]);
+        assert_eq!(absent("cornell-box", &least), ["nodes", "corners", "filter", "random", "light nodes"]);
         assert_eq!(absent("teapot", &|settings| settings.sampler = Sampler::Table), [""; 0]);
         // Asking for every effect brings code, not records.
-        assert_eq!(absent("cornell-box", &|settings| settings.all_effects = true), ["corners", "random"]);
+        assert_eq!(absent("cornell-box", &|settings| settings.all_effects = true), ["corners", "random", "light nodes"]);
     });
 }

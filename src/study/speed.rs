@@ -4,7 +4,7 @@
 //! scene's bounces. Cases of a scene, in turn until every repeat is done:
 //!
 //! - `no-roulette`, `default`: a render of some seconds, timed without loading and compiling;
-//! - `error`: 64 samples against a reference of 2,048 (1,024), on a smaller picture, each repeat another seed;
+//! - `error`: 64 samples against a reference of 1,024, on a smaller picture, each repeat another seed;
 //! - `start`, `start-cold`: from the start of a process to the first sample of every pixel, with the driver's cache of
 //!   compiled shaders and without;
 //! - `threads-1`, `threads-all`: one thread of the driver and all of them (CPU devices);
@@ -51,8 +51,8 @@ impl Scale {
         seconds: 4.0,
         repeats: 5,
         error_seeds: 2,
-        reference_spp: 2048,
-        peer_spp: 32,
+        reference_spp: 1024,
+        peer_spp: 16,
     };
     /// Less than a minute a scene.
     pub const QUICK: Scale = Scale {
