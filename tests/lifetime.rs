@@ -11,7 +11,7 @@ use texray::bvh::Builder;
 use texray::gpu::{Context, ContextOptions, Direction};
 use texray::render::{Observer, Progress, Rendered, Renderer, Settings, StopReason, Tuning};
 use texray::scene::{Filter, Scene};
-use texray::settings::{AccelKind, Buffers, Sampler};
+use texray::settings::{AccelKind, Buffers, LightPick, Sampler};
 
 /// What a test does with its context, between a clean start and a clean end.
 fn leaving_nothing(work: impl FnOnce(&Context)) {
@@ -159,7 +159,12 @@ fn what_a_scene_does_not_call_for_is_absent() {
             settings.filter = Filter::Box;
         };
         assert_eq!(absent("cornell-box", &least), ["nodes", "corners", "filter", "random", "light nodes"]);
-        assert_eq!(absent("teapot", &|settings| settings.sampler = Sampler::Table), [""; 0]);
+        assert_eq!(absent("teapot", &|settings| settings.sampler = Sampler::Table), ["light nodes"]);
+        let most = |settings: &mut Settings| {
+            settings.sampler = Sampler::Table;
+            settings.light_pick = LightPick::Tree;
+        };
+        assert_eq!(absent("teapot", &most), [""; 0]);
         // Asking for every effect brings code, not records.
         assert_eq!(absent("cornell-box", &|settings| settings.all_effects = true), ["corners", "random", "light nodes"]);
     });
