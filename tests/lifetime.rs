@@ -166,6 +166,9 @@ fn what_a_scene_does_not_call_for_is_absent() {
         };
         assert_eq!(absent("teapot", &most), [""; 0]);
         // Asking for every effect brings code, not records.
-        assert_eq!(absent("cornell-box", &|settings| settings.all_effects = true), ["corners", "random", "light nodes"]);
+        assert_eq!(
+            absent("cornell-box", &|settings| settings.all_effects = true),
+            ["corners", "random", "light nodes"]
+        );
     });
 }
