@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Op};
-use texray::gpu::shaders;
+use texray::gpu::{shaders, specialise};
 use texray::interface::*;
 
 fn parse(words: &[u32]) -> Module {
@@ -219,4 +219,31 @@ fn push_constants_stand_at_the_contracts_offsets() {
     found.sort_by_key(|(_, offset)| *offset);
     let expected: Vec<(String, u32)> = PUSH_CONSTANTS.iter().map(|&(name, offset)| (name.to_owned(), offset)).collect();
     assert_eq!(found, expected);
+}
+
+#[test]
+fn specialised_modules_have_no_constants_left_to_specialise() {
+    let ids: Vec<(u32, u32)> = (0..64).map(|id| (id, 1)).collect();
+    let modules = [
+        ("path_trace", shaders::PATH_TRACE),
+        ("path_trace_keep_nan", shaders::PATH_TRACE_KEEP_NAN),
+        ("path_trace_plain", shaders::PATH_TRACE_PLAIN),
+        ("path_trace_plain_keep_nan", shaders::PATH_TRACE_PLAIN_KEEP_NAN),
+        ("probe_trace", shaders::PROBE_TRACE),
+        ("probe_origins", shaders::PROBE_ORIGINS),
+        ("probe_scattering", shaders::PROBE_SCATTERING),
+        ("probe_sampling", shaders::PROBE_SAMPLING),
+    ];
+    for (name, words) in modules {
+        let before = parse(words);
+        for values in [&[][..], &ids] {
+            let after = parse(&specialise(words, values).unwrap_or_else(|error| panic!("{name}: {error}")));
+            let spec = |module: &Module| {
+                let constants = module.types_global_values.iter().map(|instruction| instruction.class.opcode);
+                constants.filter(|op| format!("{op:?}").starts_with("SpecConstant")).count()
+            };
+            assert!(spec(&before) > 0 && spec(&after) == 0, "{name}");
+            assert_eq!(after.types_global_values.len(), before.types_global_values.len(), "{name}");
+        }
+    }
 }

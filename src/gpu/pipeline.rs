@@ -13,6 +13,7 @@ use super::context::Context;
 use super::device_info::DeviceInfo;
 use super::failure::failed;
 use super::handle::Handle;
+use super::specialise::specialise;
 use crate::{Error, Result};
 
 /// Kind of a binding.
@@ -126,30 +127,22 @@ impl ComputePipeline {
             Handle::own(device, raw, &format!("{name} layout"))
         };
 
-        let info = vk::ShaderModuleCreateInfo::default().code(desc.spirv);
-        // SAFETY: the words are glslang's output for Vulkan 1.1 (`shaders`); the handle is the only owner.
+        let spirv = specialise(desc.spirv, desc.specialization)?;
+        let info = vk::ShaderModuleCreateInfo::default().code(&spirv);
+        // SAFETY: the words are glslang's output for Vulkan 1.1 (`shaders`), its specialisation constants made ordinary ones of
+        // the same types; the handle is the only owner.
         let module = unsafe {
             let raw = device.raw().create_shader_module(&info, None);
             Handle::own(device, raw.map_err(failed(format!("vkCreateShaderModule for `{name}`")))?, name)
         };
 
-        // Constants are 4 bytes each, one after the other.
-        let mut data = Vec::with_capacity(desc.specialization.len() * 4);
-        let mut entries = Vec::with_capacity(desc.specialization.len());
-        for &(id, value) in desc.specialization {
-            entries.push(vk::SpecializationMapEntry { constant_id: id, offset: data.len() as u32, size: 4 });
-            data.extend_from_slice(&value.to_ne_bytes());
-        }
-        let specialization = vk::SpecializationInfo::default().map_entries(&entries).data(&data);
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(module.raw())
-            .name(c"main")
-            .specialization_info(&specialization);
+            .name(c"main");
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.raw())];
-        // SAFETY: module and layout are alive, the layout has every binding of the module; constant ids are distinct
-        // (`check`) and their data inside `data`. The module may go once the pipeline is made. The one new pipeline is
-        // owned by the handle alone; a failed call makes none.
+        // SAFETY: module and layout are alive, the layout has every binding of the module. The module may go once the pipeline
+        // is made. The one new pipeline is owned by the handle alone; a failed call makes none.
         let raw = unsafe {
             let made = device.raw().create_compute_pipelines(vk::PipelineCache::null(), &info, None);
             let made = made.map_err(|(_, code)| failed(format!("vkCreateComputePipelines for `{name}`"))(code))?;
