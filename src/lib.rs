@@ -10,12 +10,13 @@
 //! A later stage may import an earlier one, never the reverse. [`gpu`] is the layer beneath: it alone names Vulkan and
 //! holds `unsafe`, and knows nothing of scenes. [`interface`] states what CPU and GPU agree on.
 //! [`selftest`] and [`study`] stand above all stages: one asks them hard questions, the other what they cost. [`compare`]
-//! holds finished pictures against each other, and [`report`] shows what was found.
+//! holds finished pictures against each other, and [`report`] shows what was found. [`distributions`] serves whoever judges numbers.
 
 #![deny(unsafe_code)]
 
 pub mod bvh;
 pub mod compare;
+pub mod distributions;
 pub mod error;
 pub mod film;
 pub mod gpu;

@@ -1,7 +1,7 @@
 //! The `texray` program: run one command, print the error, set the exit code.
 //!
 //! Exit codes: 0 done, 1 internal, a failed self-test or a limit of `compare` not kept, 2 usage, 3 bad scene or input, 4 no usable device or device lost,
-//! 5 output, 7 invalid samples under `--strict`, 128 + n after signal n (129, 130, 143), with the picture saved.
+//! 5 output, 6 `--target-error` not met (pictures saved), 7 invalid samples under `--strict`, 128 + n after signal n (129, 130, 143), with the picture saved.
 
 #![deny(unsafe_code)]
 
@@ -17,6 +17,7 @@ use cli::{Failure, Outcome};
 
 const INTERNAL: u8 = 1;
 const LIMIT_EXCEEDED: u8 = 1;
+const TARGET_MISSED: u8 = 6;
 const INVALID_SAMPLES: u8 = 7;
 const SIGNAL: u8 = 128;
 
@@ -25,6 +26,10 @@ fn main() -> ExitCode {
     // A panic is a bug of texray; its message is printed by the panic hook.
     let code = match catch_unwind(AssertUnwindSafe(|| cli::run(started))) {
         Ok(Ok(Outcome::Done)) => 0,
+        Ok(Ok(Outcome::TargetMissed(what))) => {
+            say(&format!("error: {what}"));
+            TARGET_MISSED
+        }
         Ok(Ok(Outcome::InvalidSamples(count))) => {
             say(&format!("error: {count} invalid samples were left out (--strict)"));
             INVALID_SAMPLES

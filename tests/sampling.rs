@@ -7,10 +7,10 @@
 mod harness;
 
 use harness::Assert;
-use harness::distributions::chi_square_upper;
 use harness::draws::{REPLICATES, UNIT_FLOAT, call, correlation, nothing, pairs, uniform_square, unit};
 use harness::random::Random;
 use harness::statistics::{FAMILY_ALPHA, Moments, chi_square_test, sidak, z_test};
+use texray::distributions::chi_square_upper;
 use texray::interface::RANDOM_TABLE_TEXELS;
 use texray::scene::Filter;
 use texray::settings::Sampler;

@@ -8,15 +8,15 @@ mod harness;
 
 use harness::Assert;
 use harness::comparison::compare;
-use harness::distributions::{
-    beta_lower, chi_square_upper, gamma_upper, kolmogorov_upper, ln_gamma, normal_critical, normal_two_sided,
-    student_two_sided,
-};
 use harness::random::Random;
 use harness::statistics::{
     Moments, chi_square_test, critical_z, fit_line, sidak, t_test, uniform_test, welch_test, z_test,
 };
 use harness::tracer::Estimate;
+use texray::distributions::{
+    beta_lower, chi_square_upper, gamma_upper, kolmogorov_upper, ln_gamma, normal_critical, normal_two_sided,
+    student_two_sided,
+};
 
 fn close(value: f64, expected: f64, tolerance: f64) {
     assert!((value - expected).abs() <= tolerance, "{value} is not {expected} ± {tolerance}");

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use texray::render::{Buffers, Bytes, LightPick, RenderReport, Settings, StageSeconds, StopReason};
+use texray::render::{Buffers, Bytes, ErrorReport, LightPick, RenderReport, Settings, StageSeconds, StopReason};
 use texray::scene::Scene;
 
 use super::engine::DeviceLine;
@@ -37,7 +37,7 @@ pub struct Document<'a> {
     rays_per_second: Option<f64>,
     node_visits: u64,
     triangle_tests: u64,
-    error: Option<ErrorFigures>,
+    error: Option<ErrorReport>,
     bias: Bias,
     invalid_samples: &'a BTreeMap<&'static str, u64>,
     invalid_kinds: &'a BTreeMap<&'static str, u64>,
@@ -47,14 +47,6 @@ pub struct Document<'a> {
     peak_rss_bytes: Option<u64>,
     outputs: Vec<String>,
     warnings: &'a [String],
-}
-
-/// The error by its own estimate; null where there are fewer than two blocks.
-#[derive(Serialize)]
-struct ErrorFigures {
-    relative_rmse: f64,
-    upper: Option<f64>,
-    confidence: Option<f64>,
 }
 
 /// Energy lost on purpose.
@@ -109,11 +101,7 @@ impl<'a> Document<'a> {
             rays_per_second: per_second(report.rays),
             node_visits: report.node_visits,
             triangle_tests: report.triangle_tests,
-            error: facts.relative_rmse.map(|relative_rmse| ErrorFigures {
-                relative_rmse,
-                upper: None,
-                confidence: None,
-            }),
+            error: report.error,
             bias: Bias { bounce_cap: None },
             invalid_samples: &report.invalid_samples,
             invalid_kinds: &report.invalid_kinds,

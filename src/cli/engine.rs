@@ -8,7 +8,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use serde::Serialize;
 use texray::film::Film;
 use texray::gpu::{self, Context, ContextOptions, DeviceChoice, DeviceInfo};
-use texray::render::{self, Effects, Observer, RenderReport, Settings};
+use texray::render::{Effects, Observer, RenderReport, Renderer, Settings, StopRules, Tuning};
 use texray::scene::Scene;
 use texray::selftest::{self, Bench, Case, CaseReport, Finding, Tier, startup};
 use texray::study::{self, Ended, Kind, Plan, Rows, Watch};
@@ -144,10 +144,17 @@ impl Engine {
         self.context.validation().messages
     }
 
-    /// Renders, on a device that passes the start-up probe.
-    pub fn render(&self, scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -> Result<Rendered> {
+    /// Renders until a rule ends it, on a device that passes the start-up probe.
+    pub fn render(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        rules: StopRules,
+        observer: &mut dyn Observer,
+    ) -> Result<Rendered> {
         startup::check(&self.context)?;
-        let rendered = render::render(&self.context, scene, settings, observer)?;
+        let renderer = Renderer::new(&self.context, scene, settings, &Tuning::default())?;
+        let rendered = renderer.stop_by(rules).render(observer)?;
         Ok(Rendered {
             film: rendered.film,
             report: rendered.report,

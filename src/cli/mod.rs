@@ -6,6 +6,7 @@
 mod compare;
 mod devices;
 mod document;
+mod dry_run;
 mod engine;
 mod explain;
 mod limits;
@@ -18,6 +19,7 @@ mod save;
 mod selftest;
 mod settings;
 mod signals;
+mod stop;
 pub mod streams;
 mod study;
 
@@ -29,6 +31,8 @@ use clap::{Parser, Subcommand};
 pub enum Outcome {
     /// Everything asked for is done.
     Done,
+    /// `--target-error` is not met: in words; pictures are saved.
+    TargetMissed(String),
     /// `--strict`, and this many samples were left out; pictures are saved.
     InvalidSamples(u64),
     /// A self-test found that the device, or texray on it, does not compute what it should.

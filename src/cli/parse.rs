@@ -2,6 +2,8 @@
 //!
 //! Comes in: the text of one value. Goes out: a checked value, or what is allowed.
 
+use std::time::Duration;
+
 use texray::render::Roulette;
 
 /// Largest side of a picture in pixels.
@@ -38,6 +40,58 @@ pub fn roulette(text: &str) -> Result<Roulette, String> {
     }
 }
 
+/// Longest time that can be given: a century.
+const LONGEST_HOURS: f64 = 876_600.0;
+
+/// A time: seconds, or numbers each with its unit, as in `1h30m`.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    let wrong = || "use a time above 0 such as 90, 10s, 5m or 1h30m".to_string();
+    let mut rest = text.trim();
+    let mut seconds = 0.0;
+    let mut last_unit = f64::INFINITY;
+    while !rest.is_empty() {
+        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        let (number, after) = rest.split_at(digits);
+        let (unit, after) = match after.chars().next() {
+            Some('h') => (3600.0, &after[1..]),
+            Some('m') => (60.0, &after[1..]),
+            Some('s') => (1.0, &after[1..]),
+            None if last_unit.is_infinite() => (1.0, after),
+            _ => return Err(wrong()),
+        };
+        if unit >= last_unit {
+            return Err(wrong());
+        }
+        seconds += number.parse::<f64>().map_err(|_| wrong())? * unit;
+        (rest, last_unit) = (after, unit);
+    }
+    match seconds > 0.0 && seconds <= LONGEST_HOURS * 3600.0 {
+        true => Ok(Duration::from_secs_f64(seconds)),
+        false => Err(wrong()),
+    }
+}
+
+/// A percentage with its sign, or a ratio.
+fn share(text: &str) -> Option<f64> {
+    let share = match text.strip_suffix('%') {
+        Some(percent) => percent.trim_end().parse::<f64>().ok()? / 100.0,
+        None => text.parse().ok()?,
+    };
+    share.is_finite().then_some(share)
+}
+
+/// A relative error.
+pub fn ratio(text: &str) -> Result<f64, String> {
+    let allowed = "use a relative error above 0, at most 1000 %, such as 1% or 0.01";
+    share(text).filter(|share| *share > 0.0 && *share <= 10.0).ok_or_else(|| allowed.into())
+}
+
+/// A confidence.
+pub fn confidence(text: &str) -> Result<f64, String> {
+    let allowed = "use a probability from 50 % to 99.9999 %, such as 95% or 0.95";
+    share(text).filter(|share| (0.5..=0.999_999).contains(share)).ok_or_else(|| allowed.into())
+}
+
 /// Exposure in stops.
 pub fn exposure(text: &str) -> Result<f64, String> {
     let stops = text.parse().ok().filter(|stops: &f64| stops.abs() <= LARGEST_EXPOSURE);
@@ -69,6 +123,38 @@ mod tests {
         assert_eq!(size("16384x1"), Ok([16384, 1]));
         for bad in ["", "800", "0x600", "800x0", "16385x1", "-1x2", "800x600x2", "4294967296x1", "axb", "800 x600"] {
             assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn durations() {
+        for (text, seconds) in [
+            ("10s", 10.0),
+            ("90", 90.0),
+            ("0.5", 0.5),
+            ("5m", 300.0),
+            ("1h30m", 5400.0),
+            ("1h2s", 3602.0),
+            ("1.5h", 5400.0),
+        ] {
+            assert_eq!(duration(text), Ok(Duration::from_secs_f64(seconds)), "{text}");
+        }
+        for bad in
+            ["", "0", "0s", "-1", "s", "5x", "1m1h", "1s1s", "1h30", "1e3", "nan", "inf", "5 m", "99999999h", "1..2s"]
+        {
+            assert!(duration(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn shares() {
+        assert_eq!((ratio("1%"), ratio("0.01"), ratio("2.5 %")), (Ok(0.01), Ok(0.01), Ok(0.025)));
+        assert_eq!((confidence("95%"), confidence("0.5")), (Ok(0.95), Ok(0.5)));
+        for bad in ["", "0", "0%", "-1%", "%", "1001%", "nan", "inf", "1%%"] {
+            assert!(ratio(bad).is_err(), "{bad}");
+        }
+        for bad in ["", "1", "100%", "49%", "95"] {
+            assert!(confidence(bad).is_err(), "{bad}");
         }
     }
 

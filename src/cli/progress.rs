@@ -76,15 +76,21 @@ impl Observer for Reporter {
 fn line(progress: &Progress) -> String {
     let fraction = progress.fraction.clamp(0.0, 1.0);
     // Floored, so that 100 % means done.
-    let mut line =
-        format!("{:3.0} %, {} of {} spp", (fraction * 100.0).floor(), progress.spp_done, progress.spp_target);
+    let mut line = format!("{:3.0} %, {}", (fraction * 100.0).floor(), progress.spp_done);
+    match progress.spp_target {
+        u32::MAX => line += " spp",
+        target => line += &format!(" of {target} spp"),
+    }
     if progress.seconds > 0.0 {
         line += &format!(", {:.2} Mpaths/s", progress.paths as f64 / progress.seconds / 1e6);
     }
     if let Some(error) = progress.relative_rmse {
         line += &format!(", error {}", percent(error));
     }
-    if fraction > 0.0 {
+    if let Some((target, Some(forecast))) = progress.target {
+        let left = (forecast.seconds - progress.seconds).max(0.0);
+        line += &format!(", {} in about {}", percent(target.error), duration(left));
+    } else if fraction > 0.0 {
         line += &format!(", {} left", duration(progress.seconds * (1.0 - fraction) / fraction));
     }
     line
@@ -112,6 +118,8 @@ pub fn duration(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use texray::render::{Forecast, Target};
+
     use super::*;
 
     #[test]
@@ -123,8 +131,15 @@ mod tests {
             paths: 6_200_000,
             seconds: 20.0,
             relative_rmse: Some(0.0234),
+            target: None,
         };
         assert_eq!(line(&progress), " 50 %, 128 of 256 spp, 0.31 Mpaths/s, error 2.34 %, 19.2 s left");
+        let target = Target { error: 0.01, confidence: 0.95 };
+        let forecast = Forecast { made_at_spp: 32, spp: 1024, seconds: 203.0 };
+        let open = Progress { spp_target: u32::MAX, fraction: 0.0, target: Some((target, None)), ..progress };
+        assert_eq!(line(&open), "  0 %, 128 spp, 0.31 Mpaths/s, error 2.34 %");
+        let forecast = Progress { spp_target: 1024, target: Some((target, Some(forecast))), ..progress };
+        assert_eq!(line(&forecast), " 50 %, 128 of 1024 spp, 0.31 Mpaths/s, error 2.34 %, 1.00 % in about 3 min 03 s");
         assert_eq!(line(&Progress { spp_target: 4, ..Progress::default() }), "  0 %, 0 of 4 spp");
     }
 

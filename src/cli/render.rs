@@ -2,19 +2,21 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::{ArgAction, Args};
 use texray::output::{Display, OutputFile, Picture, Tonemap, check_writable, write_whole};
-use texray::render::{Sampler, Settings, StopReason};
+use texray::render::{ErrorReport, Sampler, Settings, StopRules, TimeRule};
 use texray::scene::Scene;
 use texray::{Error, Result};
 
 use super::document::{Document, Facts};
+use super::dry_run::{DryRun, PILOT_SECONDS, PILOT_SPP};
 use super::engine::{self, Engine, Rendered};
 use super::progress::{Reporter, duration, percent};
 use super::settings::SettingsArgs;
 use super::signals::Signals;
+use super::stop::StopArgs;
 use super::streams::{answer_json, json, say};
 use super::{Outcome, explain, parse, save};
 
@@ -32,6 +34,8 @@ pub struct RenderArgs {
     no_clobber: bool,
     #[command(flatten)]
     settings: SettingsArgs,
+    #[command(flatten)]
+    stop: StopArgs,
     #[command(flatten)]
     display: DisplayArgs,
     #[command(flatten)]
@@ -86,12 +90,23 @@ impl RenderArgs {
         if let Some(signal) = signals.received() {
             return Ok(Outcome::Signal(signal));
         }
-        let settings = self.settings.settings(&scene)?;
+        let mut settings = self.settings.settings(&scene)?;
+        if !self.settings.gives_spp() && (self.stop.time_limit.is_some() || self.stop.target().is_some()) {
+            settings.spp = u32::MAX;
+        }
+        let rules = self.stop.rules(&settings, started)?;
         let files = self.check_files(Some(&scene.name), &scene.report.files)?;
         let engine = Engine::open(self.running.device.as_deref(), self.running.validation)?;
         self.tell_before(&scene, &settings, &engine);
         let mut reporter = Reporter::new(self.running.quiet, signals.clone());
-        let rendered = engine.render(&scene, &settings, &mut reporter);
+        if self.stop.dry_run {
+            let pilot = self.pilot(&engine, &scene, &settings, &mut reporter);
+            reporter.finish();
+            let effects = engine::effects(&scene, &settings);
+            DryRun::new(&settings, self.stop.target(), &pilot?, effects.iter().collect()).tell(self.running.json)?;
+            return Ok(signals.received().map_or(Outcome::Done, Outcome::Signal));
+        }
+        let rendered = engine.render(&scene, &settings, rules, &mut reporter);
         reporter.finish();
         let mut rendered = rendered?;
         rendered.report.seconds.load = seconds_load;
@@ -104,8 +119,16 @@ impl RenderArgs {
         Ok(match signals.received() {
             Some(signal) => Outcome::Signal(signal),
             None if self.running.strict && invalid > 0 => Outcome::InvalidSamples(invalid),
-            None => Outcome::Done,
+            None => self.stop.missed(&rendered.report).map_or(Outcome::Done, Outcome::TargetMissed),
         })
+    }
+
+    /// The first few samples of a render, for a dry run.
+    fn pilot(&self, engine: &Engine, scene: &Scene, settings: &Settings, reporter: &mut Reporter) -> Result<Rendered> {
+        let end = Instant::now() + Duration::from_secs_f64(PILOT_SECONDS);
+        let rules = StopRules { target: None, time: Some(TimeRule { aim: end, latest: end }) };
+        let settings = Settings { spp: settings.spp.min(PILOT_SPP), ..settings.clone() };
+        engine.render(scene, &settings, rules, reporter)
     }
 
     /// Checks the files that will be written. Without `-o` their names are known once the scene's is, and the files that
@@ -198,6 +221,13 @@ impl RenderArgs {
         if facts.empty_pixels > 0 && report.spp > 0 {
             say(&format!("warning: {} pixels have no valid sample and are black", facts.empty_pixels));
         }
+        if report.error.is_some_and(|error| error.heavy_tailed) {
+            let share = report.error.map_or(0.0, |error| error.picture.heavy_share);
+            say(&format!(
+                "warning: heavy tail: 0.1 % of the pixels hold {} of the squared error; its estimate cannot be relied on",
+                percent(share)
+            ));
+        }
         if self.running.quiet {
             return;
         }
@@ -206,10 +236,7 @@ impl RenderArgs {
             say(rendered.ledger_table.trim_end());
         }
         summary(facts).iter().for_each(|line| say(line));
-        let reason = match report.stop_reason {
-            StopReason::Spp => format!("done: all {} spp", report.spp),
-            StopReason::Interrupted => format!("stopped by a signal at {} of {} spp", report.spp, facts.settings.spp),
-        };
+        let reason = self.stop.reason(report, facts.settings.spp);
         let files = if facts.outputs.is_empty() { "nothing".into() } else { facts.outputs.join(", ") };
         say(&format!("{reason}; wrote {files}"));
     }
@@ -220,8 +247,9 @@ fn summary(facts: &Facts) -> [String; 2] {
     let report = facts.report;
     let error = match facts.relative_rmse {
         Some(error) if error > 0.0 => format!(
-            "estimated relative RMSE {}; half of it takes {} spp, about {}",
+            "estimated relative RMSE {}{}; half of it takes {} spp, about {}",
             percent(error),
+            bound(report.error),
             u64::from(report.spp) * 4,
             duration(report.seconds.render * 4.0)
         ),
@@ -242,4 +270,14 @@ fn summary(facts: &Facts) -> [String; 2] {
         duration(report.seconds.total),
     );
     [work, error]
+}
+
+/// The error's bound in words.
+fn bound(error: Option<ErrorReport>) -> String {
+    match error {
+        Some(error) if error.upper.is_finite() => {
+            format!(", at most {} with {} confidence", percent(error.upper), percent(error.confidence))
+        }
+        _ => String::new(),
+    }
 }

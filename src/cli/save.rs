@@ -88,6 +88,9 @@ pub fn metadata(
         .fixed("driver", &device.driver)
         .fixed("invalid_samples", invalid)
         .fixed("relative_rmse", relative_rmse.map_or("unknown".into(), |error| error.to_string()));
+    if let Some(error) = report.error {
+        metadata.fixed("relative_rmse_upper", error.upper).fixed("confidence", error.confidence);
+    }
     if let Some([x, y, w, h]) = settings.crop {
         metadata.fixed("crop", format!("{x},{y},{w},{h}"));
     }

@@ -24,7 +24,7 @@ pub enum EffectsChoice {
 #[derive(Args, Default)]
 #[command(next_help_heading = "Picture")]
 pub struct SettingsArgs {
-    /// Samples a pixel, 1 to 4294967295 [default: the scene's, else 256]
+    /// Samples a pixel, 1 to 4294967295 [default: the scene's, else 256; no end where another rule is given]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
     spp: Option<u32>,
     /// Picture size in pixels, each side 1 to 16384 [default: the scene's]
@@ -83,6 +83,11 @@ impl SettingsArgs {
     /// Defaults, but for what the set of effects depends on.
     pub fn of_effects(filter: Option<Filter>, effects: EffectsChoice) -> SettingsArgs {
         SettingsArgs { filter, effects, ..SettingsArgs::default() }
+    }
+
+    /// Whether a number of samples was given.
+    pub fn gives_spp(&self) -> bool {
+        self.spp.is_some()
     }
 
     /// The settings for `scene`, its defaults filled in.

@@ -10,15 +10,14 @@
 
 use rayon::prelude::*;
 
-use super::{Film, fixed};
+use super::{Film, fixed, neighbourhood};
 
 /// Added to the squared mean in the denominator of the relative error, in the file's units of radiance squared: keeps
 /// dark pixels from ruling the figure (a pixel of radiance 0.1 weighs half of its relative error).
 pub const DENOMINATOR_FLOOR: f64 = 0.01;
-/// Bytes a pixel that reading out takes at most: means and variances, and the neighbourhood means of the error.
-pub const READ_OUT_BYTES: usize = size_of::<[f32; 3]>() + 2 * size_of::<[f64; 3]>();
-/// Pixels to each side that take part in the neighbourhood mean: 5 x 5 in all.
-const NEIGHBOURS: usize = 2;
+/// Bytes a pixel that reading out takes at most: means and variances, neighbourhood means of both with the sums on the way to
+/// the second, and two squares of the error.
+pub const READ_OUT_BYTES: usize = size_of::<[f32; 3]>() + 4 * size_of::<[f64; 3]>() + 2 * size_of::<f64>();
 
 /// Mean of every pixel and the variance of that mean.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,21 +137,19 @@ impl Estimate {
     /// bright path borrows the brightness of its neighbours. It estimates the root of relMSE = mean((x - ref)² /
     /// (ref² + 0.01)) against the exact picture. `None` where no pixel has two replicates.
     pub fn relative_rmse(&self) -> Option<f64> {
-        let (width, height) = (self.width as usize, self.height as usize);
-        let mut across = vec![[0.0f64; 3]; self.mean.len()];
-        across.par_chunks_mut(width).zip(self.mean.par_chunks(width)).for_each(|(across, row)| {
-            for (x, sum) in across.iter_mut().enumerate() {
-                let window = &row[x.saturating_sub(NEIGHBOURS)..(x + NEIGHBOURS + 1).min(width)];
-                *sum = window.iter().fold([0.0; 3], |sum, mean| add(sum, mean.map(f64::from)));
-            }
-        });
-        self.pooled(|x, y| {
-            let rows = y.saturating_sub(NEIGHBOURS)..(y + NEIGHBOURS + 1).min(height);
-            let columns = (x + NEIGHBOURS + 1).min(width) - x.saturating_sub(NEIGHBOURS);
-            let pixels = (rows.len() * columns) as f64;
-            let sum = rows.fold([0.0; 3], |sum, row| add(sum, across[row * width + x]));
-            sum.map(|sum| (sum / pixels).powi(2) + DENOMINATOR_FLOOR)
-        })
+        self.relative_rmse_by(&self.neighbourhood_means())
+    }
+
+    /// Mean radiance of the 5 x 5 neighbourhood of each pixel.
+    pub(super) fn neighbourhood_means(&self) -> Vec<[f64; 3]> {
+        let mean = |pixel: usize| self.mean[pixel].map(f64::from);
+        neighbourhood::means(self.width as usize, self.height as usize, mean)
+    }
+
+    /// [`Self::relative_rmse`] where `near` are the means of the neighbourhoods.
+    pub(super) fn relative_rmse_by(&self, near: &[[f64; 3]]) -> Option<f64> {
+        let width = self.width as usize;
+        self.pooled(|x, y| near[y * width + x].map(|mean| mean * mean + DENOMINATOR_FLOOR))
     }
 
     /// Estimated RMSE of the picture in the file's units: the square root of the mean variance over pixels and

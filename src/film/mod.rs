@@ -9,15 +9,18 @@
 //! shares can change a bit of the result. Blocks go round robin to replicates that are scrambled independently; the
 //! spread of the replicate means is what the error is estimated from.
 
+mod error;
 mod estimate;
 pub mod fixed;
 pub mod memory;
+mod neighbourhood;
 
 use rayon::prelude::*;
 
 use crate::interface::BLOCK_SAMPLES;
 use crate::{Error, Result};
 
+pub use error::PictureError;
 pub use estimate::{DENOMINATOR_FLOOR, Estimate};
 
 /// Pixels of a picture up to which it has four replicates; larger ones have two: their many pixels make up for the few

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::error::{Error, Result};
-use crate::film::{Film, replicate_of_block};
+use crate::film::{Film, PictureError, replicate_of_block};
 use crate::gpu::{
     Barrier, BindGroup, Buffer, ComputePipeline, Context, InFlight, Ledger, Readback, Recorder, Uploader,
 };
@@ -18,7 +18,8 @@ use crate::render::Rendered;
 use crate::render::effects::Effects;
 use crate::render::kernel::{Constants, Dispatch};
 use crate::render::pace::{Pace, RunLength};
-use crate::render::report::{Bytes, Observer, Progress, RenderReport, StopReason};
+use crate::render::report::{Bytes, ErrorReport, Observer, Progress, RenderReport, StopReason};
+use crate::render::stop::{DEFAULT_CONFIDENCE, Forecast, Looks, StopRules, TimeRule};
 use crate::render::tiles::{SUM_BYTES, Tile};
 use crate::settings::{Sampler, Settings};
 
@@ -51,6 +52,10 @@ pub struct Renderer {
     pub(super) ledger: Ledger,
     pub(super) report: RenderReport,
     pub(super) estimate: EstimateClock,
+    pub(super) rules: StopRules,
+    pub(super) looks: Looks,
+    /// What the first look, and the last one, forecast of the target.
+    pub(super) forecasts: Option<(Forecast, Forecast)>,
 }
 
 /// What estimating the error has cost so far, and when it is due again, since the first dispatch.
@@ -68,30 +73,44 @@ struct PendingTile {
 }
 
 impl Renderer {
-    /// Renders until the samples are done or the observer stops it, after the first whole run at the earliest.
+    /// Ends the render by these rules too.
+    pub fn stop_by(mut self, rules: StopRules) -> Renderer {
+        self.rules = rules;
+        self
+    }
+
+    /// Renders until the samples are done, a rule is met or the observer stops it, after the first whole run at the earliest.
     pub fn render(mut self, observer: &mut dyn Observer) -> Result<Rendered> {
         let start = Instant::now();
         let spp = self.settings.spp;
         let mut done = 0;
         while done < spp {
             let run_start = Instant::now();
-            let samples = self.run_length.next(done, spp);
+            let Some(samples) = self.next_run(done) else {
+                self.report.stop_reason = StopReason::TimeLimit;
+                break;
+            };
             if !self.run(done, samples, start, observer)? {
-                self.report.stop_reason = StopReason::Interrupted;
+                self.report.stop_reason = self.why_given_up(observer);
                 break;
             }
             self.commit(done, samples)?;
             done += samples;
             self.run_length.note(samples, run_start.elapsed());
+            self.report.seconds_per_sample = run_start.elapsed().as_secs_f64() / f64::from(samples);
             self.estimate_error(start.elapsed());
+            let met = self.look(done, start.elapsed());
             self.tell(done, 0, start, observer);
+            if met {
+                self.report.stop_reason = StopReason::TargetError;
+                break;
+            }
             if done < spp && observer.stop_requested() {
                 self.report.stop_reason = StopReason::Interrupted;
                 break;
             }
         }
-        self.estimate.due = Duration::ZERO;
-        self.estimate_error(start.elapsed());
+        self.last_look(done);
         self.report.spp = done;
         self.report.table_wraps = self.table_wraps(done);
         self.report.seconds.render = start.elapsed().as_secs_f64();
@@ -103,7 +122,7 @@ impl Renderer {
         Ok(Rendered { film: self.film, report: self.report, ledger: self.ledger, effects: self.effects })
     }
 
-    /// One run over all tiles; false where the observer stopped it. The first run always ends: it is the first picture.
+    /// One run over all tiles; false where it was given up. The first run always ends: it is the first picture.
     fn run(&mut self, first: u32, samples: u32, start: Instant, observer: &mut dyn Observer) -> Result<bool> {
         let mut pending: Option<PendingTile> = None;
         let mut pixels_done = 0;
@@ -138,7 +157,7 @@ impl Renderer {
                     if unfinished == 0 {
                         break;
                     }
-                    if first > 0 && observer.stop_requested() {
+                    if first > 0 && self.is_given_up(observer) {
                         return Ok(false);
                     }
                     dispatch.begins_run = false;
@@ -148,7 +167,7 @@ impl Renderer {
                 pixels_done += u64::from(rows) * u64::from(tile.width);
                 self.tell(first, pixels_done * u64::from(samples), start, observer);
                 // What the run has already paid for in full is kept.
-                if first > 0 && pixels_done < self.film.pixels() as u64 && observer.stop_requested() {
+                if first > 0 && pixels_done < self.film.pixels() as u64 && self.is_given_up(observer) {
                     return Ok(false);
                 }
             }
@@ -282,16 +301,99 @@ impl Renderer {
         self.estimate.due = elapsed.max(self.estimate.cost * 50);
     }
 
+    /// Samples of the run that begins at sample `done`: fewer where the time limit is near; `None` where not even one would end
+    /// before it.
+    fn next_run(&self, done: u32) -> Option<u32> {
+        let samples = self.run_length.next(done, self.settings.spp);
+        let Some(time) = self.rules.time.filter(|_| done > 0) else {
+            return Some(samples);
+        };
+        let left = time.aim.saturating_duration_since(Instant::now()).as_secs_f64();
+        let affordable = (left / self.report.seconds_per_sample.max(1e-9)).min(f64::from(BLOCK_SAMPLES)) as u32;
+        (affordable > 0).then_some(samples.min(affordable))
+    }
+
+    /// Share of the time limit that has gone by since the first dispatch, 0 without one.
+    fn time_share(&self, start: Instant) -> f64 {
+        let elapsed = start.elapsed().as_secs_f64();
+        let left = |time: TimeRule| time.aim.saturating_duration_since(Instant::now()).as_secs_f64();
+        self.rules.time.map_or(0.0, |time| elapsed / (elapsed + left(time)).max(1e-9))
+    }
+
+    /// Whether a run is to be given up: what the last whole run left is kept.
+    fn is_given_up(&self, observer: &dyn Observer) -> bool {
+        observer.stop_requested() || self.rules.time.is_some_and(|time| Instant::now() > time.latest)
+    }
+
+    fn why_given_up(&self, observer: &dyn Observer) -> StopReason {
+        if observer.stop_requested() { StopReason::Interrupted } else { StopReason::TimeLimit }
+    }
+
+    /// Looks at the error for the target's sake, where a look is due; whether the target is met. A heavy tail is not trusted.
+    fn look(&mut self, done: u32, elapsed: Duration) -> bool {
+        let Some(target) = self.rules.target.filter(|_| self.looks.due(done)) else {
+            return false;
+        };
+        let start = Instant::now();
+        let error = self.film.error();
+        self.estimate.cost += start.elapsed();
+        let Some(error) = error else {
+            return false;
+        };
+        let alpha = self.looks.take(done, 1.0 - target.confidence);
+        let upper = error.upper(alpha);
+        let forecast = self.looks.forecast(&error, target, done, elapsed.as_secs_f64(), self.report.seconds_per_sample);
+        self.forecasts = Some((self.forecasts.map_or(forecast, |(first, _)| first), forecast));
+        self.report.relative_rmse = Some(error.relative_rmse);
+        let met = upper <= target.error && !error.is_heavy_tailed();
+        if met {
+            self.report.error = Some(self.error_report(error, upper));
+        }
+        met
+    }
+
+    /// The error of the picture as it ends: what the look that met the target saw, or one more look.
+    fn last_look(&mut self, done: u32) {
+        if self.settings.sampler == Sampler::Table || self.report.error.is_some() {
+            return;
+        }
+        let alpha = match self.rules.target {
+            Some(target) => self.looks.take(done, 1.0 - target.confidence),
+            None => 1.0 - DEFAULT_CONFIDENCE,
+        };
+        let error = self.film.error();
+        self.report.relative_rmse = error.map(|error| error.relative_rmse);
+        self.report.error = error.map(|error| self.error_report(error, error.upper(alpha)));
+    }
+
+    fn error_report(&self, picture: PictureError, upper: f64) -> ErrorReport {
+        ErrorReport {
+            picture,
+            upper,
+            confidence: self.rules.target.map_or(DEFAULT_CONFIDENCE, |target| target.confidence),
+            target: self.rules.target.map(|target| target.error),
+            looks: self.looks.taken(),
+            heavy_tailed: picture.is_heavy_tailed(),
+            forecast: self.forecasts.map(|(first, _)| first),
+        }
+    }
+
     fn tell(&self, spp_done: u32, extra_samples: u64, start: Instant, observer: &mut dyn Observer) {
         let pixels = self.film.pixels() as f64;
-        let all = pixels * f64::from(self.settings.spp);
+        let forecast = self.forecasts.map(|(_, last)| last);
+        let spp_target =
+            forecast.map_or(u64::from(u32::MAX), |forecast| forecast.spp).min(u64::from(self.settings.spp)) as u32;
+        let all = pixels * f64::from(spp_target);
         observer.progress(&Progress {
             spp_done,
-            spp_target: self.settings.spp,
-            fraction: ((pixels * f64::from(spp_done) + extra_samples as f64) / all).min(1.0),
+            spp_target,
+            fraction: ((pixels * f64::from(spp_done) + extra_samples as f64) / all)
+                .max(self.time_share(start))
+                .min(1.0),
             paths: self.report.paths + self.run_counts[COUNTER_PATHS as usize],
             seconds: start.elapsed().as_secs_f64(),
             relative_rmse: self.report.relative_rmse,
+            target: self.rules.target.map(|target| (target, forecast)),
         });
     }
 }

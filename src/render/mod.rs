@@ -10,13 +10,15 @@ pub mod kernel;
 pub mod pace;
 pub mod report;
 mod setup;
+pub mod stop;
 pub mod tiles;
 pub mod upload;
 
 pub use effects::{Effect, Effects};
 pub use frames::Renderer;
 pub use guard::Guard;
-pub use report::{Bytes, Observer, Progress, RenderReport, StageSeconds, StopReason};
+pub use report::{Bytes, ErrorReport, Observer, Progress, RenderReport, StageSeconds, StopReason};
+pub use stop::{Forecast, StopRules, Target, TimeRule};
 
 pub use crate::settings::{
     AccelKind, Buffers, Hemisphere, Intersector, LightPick, Lights, Roulette, Sampler, Settings,

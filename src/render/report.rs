@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::stop::{Forecast, Target};
 use crate::bvh::TreeStats;
+use crate::film::PictureError;
 use crate::settings::Buffers;
 
 /// State of a render at a run boundary or between two slices of a run.
@@ -22,6 +24,8 @@ pub struct Progress {
     pub seconds: f64,
     /// Estimated relative RMSE of the picture so far, once there are two blocks.
     pub relative_rmse: Option<f64>,
+    /// The error to reach, where there is one, and when it will be, once there are two blocks.
+    pub target: Option<(Target, Option<Forecast>)>,
 }
 
 /// Watches a render and may stop it.
@@ -38,8 +42,32 @@ pub trait Observer {
 pub enum StopReason {
     /// The samples asked for are done.
     Spp,
+    /// The error is below the target, with the confidence asked for.
+    TargetError,
+    /// Another run would end after the time limit.
+    TimeLimit,
     /// The observer asked for it.
     Interrupted,
+}
+
+/// The error of the picture as it ended.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ErrorReport {
+    /// The estimate.
+    #[serde(flatten)]
+    pub picture: PictureError,
+    /// The relative RMSE is at most this, with probability `confidence`; infinite (null in JSON) for pictures of one tile.
+    pub upper: f64,
+    /// The confidence of `upper`, all looks of a target together.
+    pub confidence: f64,
+    /// The target, where there was one.
+    pub target: Option<f64>,
+    /// Looks taken at the error for the target's sake.
+    pub looks: u32,
+    /// Whether a few pixels hold most of the error, so that none of this can be relied on.
+    pub heavy_tailed: bool,
+    /// What the first look forecast of the target.
+    pub forecast: Option<Forecast>,
 }
 
 /// Seconds of wall time by stage.
@@ -96,6 +124,10 @@ pub struct RenderReport {
     /// Estimated relative RMSE of the picture; `None` before every pixel has two blocks, and for the `table` sampler, whose
     /// replicates share one table and are not independent.
     pub relative_rmse: Option<f64>,
+    /// The same with its bound.
+    pub error: Option<ErrorReport>,
+    /// Seconds that a sample of every pixel took, by the last run.
+    pub seconds_per_sample: f64,
     /// Figures of the tree.
     pub tree: TreeStats,
     /// Names of the effects that were on.

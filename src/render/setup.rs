@@ -15,6 +15,7 @@ use crate::render::frames::{CAUSE_NAMES, COUNTER_BYTES, EstimateClock, INVALID_K
 use crate::render::kernel::{self, Constants};
 use crate::render::pace::{Pace, RunLength};
 use crate::render::report::{Bytes, RenderReport, StageSeconds, StopReason};
+use crate::render::stop::{Looks, StopRules};
 use crate::render::tiles::{self, SUM_BYTES};
 use crate::render::upload::{self, GpuScene};
 use crate::render::{Tuning, build_accel};
@@ -100,6 +101,9 @@ impl Renderer {
             run_counts: [0; COUNTERS as usize],
             ledger,
             estimate: EstimateClock::default(),
+            rules: StopRules::default(),
+            looks: Looks::new(),
+            forecasts: None,
         })
     }
 }
@@ -138,6 +142,8 @@ fn empty_report(effects: &Effects, seconds: StageSeconds, buffers: Buffers, tree
         triangle_tests: 0,
         buffers,
         relative_rmse: None,
+        error: None,
+        seconds_per_sample: 0.0,
         tree,
         effects: effects.names(),
         invalid_samples: CAUSE_NAMES.into_iter().map(|cause| (cause, 0)).collect(),

@@ -1,7 +1,7 @@
 //! A power law through points: a straight line by least squares in a log-log plane.
 
 use super::Point;
-use crate::selftest::distributions::student_two_sided;
+use crate::distributions::student_critical;
 use crate::selftest::statistics::fit_line;
 
 /// Chance that the slope's interval misses the true slope, where the points scatter normally about the law.
@@ -51,22 +51,6 @@ impl Fit {
 pub(super) fn logarithms(points: &[Point]) -> Vec<(f64, f64)> {
     let logs = points.iter().map(|point| (point.x.log10(), point.y.log10()));
     logs.filter(|(x, y)| x.is_finite() && y.is_finite()).collect()
-}
-
-/// The t that Student's distribution of `dof` degrees of freedom, at least 1, exceeds, on either side, with probability
-/// `alpha`.
-fn student_critical(alpha: f64, dof: f64) -> f64 {
-    // At one degree of freedom and 5 % it is 12.7; more degrees need less.
-    let (mut low, mut high) = (0.0, 100.0);
-    for _ in 0..100 {
-        let middle = (low + high) / 2.0;
-        if student_two_sided(middle, dof) > alpha {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    (low + high) / 2.0
 }
 
 #[cfg(test)]

@@ -11,7 +11,6 @@ pub mod calls;
 pub mod case;
 pub mod cases;
 pub mod directions;
-pub mod distributions;
 pub mod draws;
 pub mod faults;
 pub mod finding;

@@ -13,7 +13,7 @@
 //! Relative bias that is found with probability 0.9 at critical z from n samples of coefficient of variation cv:
 //! (z + 1.28) cv / √n.
 
-use super::distributions::{chi_square_upper, kolmogorov_upper, normal_critical, normal_two_sided, student_two_sided};
+use crate::distributions::{chi_square_upper, kolmogorov_upper, normal_critical, normal_two_sided, student_two_sided};
 
 /// Chance that a family of tests raises a false alarm.
 pub const FAMILY_ALPHA: f64 = 1e-6;

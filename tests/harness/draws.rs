@@ -15,8 +15,8 @@ use texray::settings::Sampler;
 use texray::texels::Texel;
 
 use super::device::{assert_valid, context};
-use super::distributions::normal_two_sided;
 use super::statistics::{Verdict, chi_square_test};
+use texray::distributions::normal_two_sided;
 
 /// Functions of the probe that no hard case calls.
 pub const RANDOM_PAIR: u32 = 0;

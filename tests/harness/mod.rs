@@ -12,7 +12,7 @@ pub mod sketch;
 pub mod tracer;
 
 #[allow(unused_imports)]
-pub use texray::selftest::{distributions, meshes, probe, random, rays, scenes, statistics};
+pub use texray::selftest::{meshes, probe, random, rays, scenes, statistics};
 
 use statistics::{FAMILY_ALPHA, Verdict, sidak};
 

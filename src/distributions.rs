@@ -1,4 +1,4 @@
-//! Tail probabilities of the distributions that tests are judged by, in f64.
+//! Tail probabilities of the distributions that tests and error bounds are judged by, in f64.
 //!
 //! Comes in: a statistic and its degrees of freedom. Goes out: the probability of one at least as extreme. Relative
 //! error below 1e-9 down to 1e-12 (`tests/statistics.rs` holds them against printed tables). Series and continued
@@ -117,11 +117,26 @@ pub fn kolmogorov_upper(x: f64) -> f64 {
 
 /// The z that a standard normal number exceeds, on either side, with probability `alpha`.
 pub fn normal_critical(alpha: f64) -> f64 {
+    critical(alpha, normal_two_sided)
+}
+
+/// The t that Student's distribution of `dof` degrees of freedom, at least 1, exceeds, on either side, with probability
+/// `alpha`.
+pub fn student_critical(alpha: f64, dof: f64) -> f64 {
+    critical(alpha, |t| student_two_sided(t, dof))
+}
+
+/// Where a falling tail probability is `alpha`, by bisection to the last bits.
+fn critical(alpha: f64, tail: impl Fn(f64) -> f64) -> f64 {
     assert!(alpha > 0.0 && alpha < 1.0, "{alpha} is not a probability inside (0, 1)");
-    let (mut low, mut high) = (0.0, 40.0);
-    for _ in 0..200 {
+    let (mut low, mut high) = (0.0, 1.0);
+    // Student's tail of one degree of freedom falls as 1 / t: doubling ends for any alpha that f64 holds.
+    while tail(high) > alpha {
+        (low, high) = (high, 2.0 * high);
+    }
+    for _ in 0..100 {
         let middle = (low + high) / 2.0;
-        if normal_two_sided(middle) > alpha {
+        if tail(middle) > alpha {
             low = middle;
         } else {
             high = middle;

@@ -1,0 +1,112 @@
+//! The options that say when a render stops, and what its end says of them.
+//!
+//! Comes in: parsed options. Goes out: [`StopRules`], and words about them.
+
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use texray::render::{ErrorReport, RenderReport, Sampler, Settings, StopReason, StopRules, Target, TimeRule};
+use texray::{Error, Result};
+
+use super::parse;
+use super::progress::{duration, percent};
+
+/// Seconds a pixel that reading out and writing the pictures take, at most, and seconds of that which do not depend on pixels.
+const WRITING: [f64; 2] = [0.7e-6, 0.05];
+
+/// When it ends; what comes first counts.
+#[derive(Args)]
+#[command(next_help_heading = "When to stop")]
+pub struct StopArgs {
+    /// Wall time from the start of the process, such as 90, 10s, 5m or 1h30m; the first sample is always finished
+    #[arg(long, value_name = "TIME", value_parser = parse::duration)]
+    pub time_limit: Option<Duration>,
+    /// Stop once the relative RMSE of the picture is at most this, such as 1% or 0.01
+    #[arg(long, value_name = "ERROR", value_parser = parse::ratio)]
+    target_error: Option<f64>,
+    /// Probability that the error is no larger than --target-error when it stops
+    #[arg(long, value_name = "P", default_value = "95%", value_parser = parse::confidence, requires = "target_error")]
+    confidence: f64,
+    /// Render a first few samples, say what the rest would take and write nothing
+    #[arg(long)]
+    pub dry_run: bool,
+}
+
+impl StopArgs {
+    /// The target, if there is one.
+    pub fn target(&self) -> Option<Target> {
+        self.target_error.map(|error| Target { error, confidence: self.confidence })
+    }
+
+    /// The rules for a process that began at `started`.
+    pub fn rules(&self, settings: &Settings, started: Instant) -> Result<StopRules> {
+        if self.target_error.is_some() && settings.sampler == Sampler::Table {
+            let why = "the replicates of a table are not independent, so its error is not known";
+            return Err(Error::Usage(format!("--target-error with --sampler table: {why}")));
+        }
+        let [_, _, width, height] = settings.region();
+        let writing = f64::from(width) * f64::from(height) * WRITING[0] + WRITING[1];
+        let time = self.time_limit.map(|limit| {
+            let aim = limit.saturating_sub(Duration::from_secs_f64(writing));
+            // Half of what a time limit may be late by; the other half is for what comes after.
+            let grace = (limit / 40).max(Duration::from_millis(250));
+            TimeRule { aim: started + aim, latest: started + aim + grace }
+        });
+        Ok(StopRules { target: self.target(), time })
+    }
+
+    /// Which rule ended the render.
+    pub fn reason(&self, report: &RenderReport, asked_spp: u32) -> String {
+        let spp = report.spp;
+        match (report.stop_reason, self.target()) {
+            (StopReason::TargetError, Some(target)) => {
+                format!("done: error at most {} at {spp} spp", percent(target.error))
+            }
+            (StopReason::Spp, _) => format!("done: all {spp} spp"),
+            (StopReason::TimeLimit, _) if self.is_late(report) => {
+                let first = duration(report.seconds.total);
+                format!("stopped by --time-limit at {spp} spp, late: the first sample was finished after {first}")
+            }
+            (StopReason::TimeLimit, _) => format!("stopped by --time-limit at {spp} spp"),
+            (StopReason::Interrupted | StopReason::TargetError, _) => {
+                format!("stopped by a signal at {spp}{} spp", of(asked_spp))
+            }
+        }
+    }
+
+    /// Whether the first sample took longer than the time limit.
+    fn is_late(&self, report: &RenderReport) -> bool {
+        report.spp == 1 && self.time_limit.is_some_and(|limit| report.seconds.total > limit.as_secs_f64())
+    }
+
+    /// What is missing to the target, where it is not met.
+    pub fn missed(&self, report: &RenderReport) -> Option<String> {
+        let target = percent(self.target()?.error);
+        match &report.error {
+            Some(error) if is_met(error) => None,
+            Some(error) if error.heavy_tailed => Some(format!(
+                "--target-error {target} is not met: the error has a heavy tail (see above), {} spp",
+                report.spp
+            )),
+            Some(error) => Some(format!(
+                "--target-error {target} is not met: the error is at most {} with {} confidence at {} spp",
+                percent(error.upper),
+                percent(error.confidence),
+                report.spp
+            )),
+            None => {
+                Some(format!("--target-error {target} is not met: {} spp are too few to know the error", report.spp))
+            }
+        }
+    }
+}
+
+/// Whether a picture keeps its target.
+fn is_met(error: &ErrorReport) -> bool {
+    !error.heavy_tailed && error.target.is_none_or(|target| error.upper <= target)
+}
+
+/// ` of N` where a number of samples was asked for.
+fn of(asked_spp: u32) -> String {
+    if asked_spp == u32::MAX { String::new() } else { format!(" of {asked_spp}") }
+}
