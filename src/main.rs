@@ -1,7 +1,7 @@
 //! The `texray` program: run one command, print the error, set the exit code.
 //!
 //! Exit codes: 0 done, 1 internal, a failed self-test or a limit of `compare` not kept, 2 usage, 3 bad scene or input, 4 no usable device or device lost,
-//! 5 output, 6 `--target-error` not met (pictures saved), 7 invalid samples under `--strict`, 128 + n after signal n (129, 130, 143), with the picture saved.
+//! 5 output, 6 `--target-error` or `--max-bias` not met (pictures saved), 7 invalid samples under `--strict`, 128 + n after signal n (129, 130, 143), with the picture saved.
 
 #![deny(unsafe_code)]
 

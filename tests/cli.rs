@@ -33,7 +33,10 @@ fn help(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-const OPTIONS: [&str; 35] = [
+const OPTIONS: [&str; 38] = [
+    "--max-bias",
+    "--aov",
+    "--error-map",
     "--output",
     "--spp",
     "--time-limit",
@@ -70,8 +73,7 @@ const OPTIONS: [&str; 35] = [
     "-q,",
     "-v,",
 ];
-const NOT_BUILT_OPTIONS: [&str; 8] =
-    ["--samples", "--max-bias", "--adaptive", "--aov", "--error-map", "--checkpoint", "--checkpoint-every", "--resume"];
+const NOT_BUILT_OPTIONS: [&str; 5] = ["--samples", "--adaptive", "--checkpoint", "--checkpoint-every", "--resume"];
 const NOT_BUILT_COMMANDS: [&str; 3] = ["view", "merge", "film"];
 
 #[test]

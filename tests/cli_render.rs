@@ -326,3 +326,61 @@ fn the_self_test_tells_of_each_case() {
         assert!(table.contains(line), "{line} in\n{table}");
     }
 }
+
+#[test]
+fn layers_and_error_map() {
+    let folder = folder();
+    let asked =
+        ["render", "room.toml", "--aov", "variance,samples", "--error-map", "error.png", "-o", "a.exr", "--json"];
+    let document = json(folder.path(), &asked);
+    assert_eq!(document["outputs"], serde_json::json!(["a.exr", "error.png"]));
+    let image = exr::prelude::read_all_flat_layers_from_file(folder.path().join("a.exr")).unwrap();
+    let channel = |name: &str| -> Vec<f32> {
+        let channels = &image.layer_data[0].channel_data.list;
+        let channel =
+            channels.iter().find(|channel| channel.name.to_string() == name).unwrap_or_else(|| panic!("{name}"));
+        channel.sample_data.values_as_f32().collect()
+    };
+    assert!(channel("samples.Y").iter().all(|&count| count == 32.0));
+    let variance = channel("variance.G");
+    assert!(variance.iter().all(|&v| v >= 0.0) && variance.iter().any(|&v| v > 0.0));
+    // The picture is the same as without layers.
+    json(folder.path(), &["render", "room.toml", "-o", "b.exr", "--json"]);
+    assert_eq!(exr(&folder.path().join("a.exr")), exr(&folder.path().join("b.exr")));
+
+    let decoder = png::Decoder::new(BufReader::new(fs::File::open(folder.path().join("error.png")).unwrap()));
+    let reader = decoder.read_info().unwrap();
+    let info = reader.info();
+    assert_eq!((info.width, info.height), (24, 16));
+    let text = &info.uncompressed_latin1_text;
+    assert!(text.iter().any(|text| text.keyword == "Description" && text.text.starts_with("relative standard error")));
+
+    // With variances, `compare` tells noise from difference.
+    json(folder.path(), &["render", "room.toml", "--aov", "variance", "--seed", "1", "-o", "c.exr", "--json"]);
+    let compared = texray(folder.path(), &["compare", "a.exr", "c.exr", "--max-failed-tests", "0"]);
+    assert_eq!(compared.status.code(), Some(0), "{}", text_of(&compared));
+
+    refused(
+        folder.path(),
+        &["render", "room.toml", "--aov", "variance", "-o", "a.png"],
+        2,
+        "layers are for .exr files",
+    );
+    refused(
+        folder.path(),
+        &["render", "room.toml", "--aov", "depth", "-o", "d.exr"],
+        2,
+        "possible values: variance, samples",
+    );
+    refused(folder.path(), &["render", "room.toml", "--error-map", "map.exr"], 2, "use a name that ends in .png");
+    refused(
+        folder.path(),
+        &["render", "room.toml", "--error-map", "e.png", "-o", "e.png"],
+        2,
+        "two outputs have this name",
+    );
+}
+
+fn text_of(output: &Output) -> String {
+    format!("{}{}", text(&output.stdout), text(&output.stderr))
+}

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use exr::prelude::{ReadChannels, ReadLayers, read};
+use exr::prelude::{ReadChannels, ReadLayers, read, read_all_flat_layers_from_file};
 use texray::Error;
-use texray::output::{Display, Metadata, OutputFile, Picture, Tonemap, write_whole};
+use texray::output::{Display, Layer, Metadata, OutputFile, Picture, Tonemap, write_whole};
 
 fn sample(crop: Option<[u32; 4]>) -> Picture {
     let [_, _, width, height] = crop.unwrap_or([0, 0, 37, 21]);
@@ -63,6 +63,29 @@ fn exr_comes_back_bit_for_bit() {
         assert_eq!(attributes.len(), 8, "times are left out");
         assert!(fs::read(&path).unwrap().windows("Zürich 東京".len()).any(|bytes| bytes == "Zürich 東京".as_bytes()));
     }
+}
+
+#[test]
+fn layers_stand_beside_the_colour() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("layers.exr");
+    let values = |scale: f32| (0..37 * 21).map(|i| i as f32 * scale).collect::<Vec<_>>();
+    let variance =
+        Layer { name: "variance", channels: vec![("R", values(1.0)), ("G", values(2.0)), ("B", values(f32::NAN))] };
+    let samples = Layer { name: "samples", channels: vec![("Y", values(16.0))] };
+    let picture = sample(None).with_layers(vec![variance, samples]).unwrap();
+    write(&path, &picture);
+    let image = read_all_flat_layers_from_file(&path).unwrap();
+    let channels = &image.layer_data[0].channel_data.list;
+    let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
+    assert_eq!(names, ["B", "G", "R", "samples.Y", "variance.B", "variance.G", "variance.R"]);
+    let bits = |at: usize| channels[at].sample_data.values_as_f32().map(f32::to_bits).collect::<Vec<_>>();
+    let expected = |scale: f32| values(scale).into_iter().map(f32::to_bits).collect::<Vec<_>>();
+    assert_eq!((bits(3), bits(4), bits(6)), (expected(16.0), expected(f32::NAN), expected(1.0)));
+    assert_eq!(bits(2), picture.rgb.iter().map(|rgb| rgb[0].to_bits()).collect::<Vec<_>>());
+
+    let short = Layer { name: "samples", channels: vec![("Y", vec![0.0; 5])] };
+    assert!(sample(None).with_layers(vec![short]).unwrap_err().to_string().contains("samples"));
 }
 
 #[test]

@@ -179,6 +179,31 @@ fn a_heavy_tail_is_said_and_not_trusted() {
     assert!(document["error"]["dark_pixels"].as_u64().unwrap() > 0);
 }
 
+/// In a closed box whose walls all emit 1 and reflect a half, each bounce brings half of what the last did: paths of at most n bounces bring
+/// 2 - 2^-n of 2, so a cap of 3 cuts off 1/16. The estimate has one noise, whether roulette ends a path; z at most 5.
+#[test]
+fn the_bias_of_the_cap_is_what_it_cuts_off() {
+    let _turn = turn();
+    let folder = folder(LAMP);
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/furnace.toml");
+    let capped = [scene, "--size", "64x48", "--spp", "16", "--max-bounces", "3", "-o", "f.exr"];
+    let (document, stderr) = json(folder.path(), &[&capped[..], &["--max-bias", "10%"]].concat(), 0);
+    let figure = |name: &str| document["bias"][name].as_f64().unwrap();
+    let (share, error) = (figure("bounce_cap"), figure("standard_error"));
+    assert!((share - 0.0625).abs() < 5.0 * error + 1e-5 && error < 0.002, "{share} ± {error}, should be 0.0625");
+    assert_eq!(document["bias"]["up_to_bounces"], 88);
+    assert!(stderr.contains("bias: the cap of 3 bounces cuts off 6.2"), "{stderr}");
+
+    let (_, stderr) = json(folder.path(), &[&capped[..], &["--max-bias", "5%"]].concat(), 6);
+    assert!(stderr.contains("error: --max-bias 5.00 % is not kept: the bounce cap cuts off 6.2"), "{stderr}");
+
+    // Nothing is beyond the first bounce where the floor sees itself nowhere; and a small render that is not asked says nothing.
+    let (document, _) =
+        json(folder.path(), &["room.toml", "--max-bounces", "2", "--max-bias", "0.0001%", "-o", "r.exr"], 0);
+    assert_eq!(document["bias"]["bounce_cap"], 0.0);
+    assert_eq!(json(folder.path(), &capped, 0).0["bias"]["bounce_cap"], Value::Null);
+}
+
 #[test]
 fn refusals() {
     let _turn = turn();

@@ -6,7 +6,9 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use texray::render::{Buffers, Bytes, ErrorReport, LightPick, RenderReport, Settings, StageSeconds, StopReason};
+use texray::render::{
+    Buffers, Bytes, CapBias, ErrorReport, LightPick, RenderReport, Settings, StageSeconds, StopReason,
+};
 use texray::scene::Scene;
 
 use super::engine::DeviceLine;
@@ -49,10 +51,12 @@ pub struct Document<'a> {
     warnings: &'a [String],
 }
 
-/// Energy lost on purpose.
+/// Energy lost on purpose; null where it was not estimated.
 #[derive(Serialize)]
 struct Bias {
     bounce_cap: Option<f64>,
+    standard_error: Option<f64>,
+    up_to_bounces: Option<u32>,
 }
 
 /// What a document is made of.
@@ -67,6 +71,8 @@ pub struct Facts<'a> {
     pub report: &'a RenderReport,
     /// Estimated relative RMSE.
     pub relative_rmse: Option<f64>,
+    /// What the bounce cap cuts off, where it was estimated.
+    pub cap_bias: Option<CapBias>,
     /// Pixels without a valid sample.
     pub empty_pixels: usize,
     /// Files written.
@@ -102,7 +108,11 @@ impl<'a> Document<'a> {
             node_visits: report.node_visits,
             triangle_tests: report.triangle_tests,
             error: report.error,
-            bias: Bias { bounce_cap: None },
+            bias: Bias {
+                bounce_cap: facts.cap_bias.map(|bias| bias.bounce_cap),
+                standard_error: facts.cap_bias.map(|bias| bias.standard_error),
+                up_to_bounces: facts.cap_bias.map(|bias| bias.up_to_bounces),
+            },
             invalid_samples: &report.invalid_samples,
             invalid_kinds: &report.invalid_kinds,
             empty_pixels: facts.empty_pixels,

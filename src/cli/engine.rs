@@ -8,7 +8,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use serde::Serialize;
 use texray::film::Film;
 use texray::gpu::{self, Context, ContextOptions, DeviceChoice, DeviceInfo};
-use texray::render::{Effects, Observer, RenderReport, Renderer, Settings, StopRules, Tuning};
+use texray::render::bounce_cap::cap_bias;
+use texray::render::{CapBias, Effects, Observer, RenderReport, Renderer, Settings, StopRules, Tuning};
 use texray::scene::Scene;
 use texray::selftest::{self, Bench, Case, CaseReport, Finding, Tier, startup};
 use texray::study::{self, Ended, Kind, Plan, Rows, Watch};
@@ -142,6 +143,11 @@ impl Engine {
     /// What validation has complained about so far.
     pub fn validation(&self) -> Vec<String> {
         self.context.validation().messages
+    }
+
+    /// What the bounce cap cuts off; `None` where the observer stopped it.
+    pub fn cap_bias(&self, scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -> Result<Option<CapBias>> {
+        cap_bias(&self.context, scene, settings, observer)
     }
 
     /// Renders until a rule ends it, on a device that passes the start-up probe.

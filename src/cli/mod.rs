@@ -22,6 +22,7 @@ mod signals;
 mod stop;
 pub mod streams;
 mod study;
+mod summary;
 
 use std::time::Instant;
 

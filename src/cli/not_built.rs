@@ -5,8 +5,7 @@
 use clap::error::{ContextKind, ContextValue, Error};
 
 const SUBCOMMANDS: [&str; 3] = ["view", "merge", "film"];
-const OPTIONS: [&str; 8] =
-    ["--samples", "--max-bias", "--adaptive", "--aov", "--error-map", "--checkpoint", "--checkpoint-every", "--resume"];
+const OPTIONS: [&str; 5] = ["--samples", "--adaptive", "--checkpoint", "--checkpoint-every", "--resume"];
 
 /// The subcommand or option that `error` is about, where it is a name not built yet.
 pub fn named_by(error: &Error) -> Option<String> {

@@ -2,6 +2,7 @@
 //!
 //! Comes in: the text of one value. Goes out: a checked value, or what is allowed.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use texray::render::Roulette;
@@ -38,6 +39,13 @@ pub fn roulette(text: &str) -> Result<Roulette, String> {
         (_, Ok(survival)) if (LEAST_SURVIVAL..=1.0).contains(&survival) => Ok(Roulette::Fixed(survival)),
         _ => Err("use throughput, off, or a probability of survival from 0.001 to 1".into()),
     }
+}
+
+/// Name of a PNG file.
+pub fn png(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+    is_png.then_some(path).ok_or_else(|| "use a name that ends in .png".into())
 }
 
 /// Longest time that can be given: a century.

@@ -1,24 +1,27 @@
 //! `texray render SCENE`: the picture.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::{ArgAction, Args};
-use texray::output::{Display, OutputFile, Picture, Tonemap, check_writable, write_whole};
-use texray::render::{ErrorReport, Sampler, Settings, StopRules, TimeRule};
+use texray::film::{Film, error_map};
+use texray::output::{
+    Aov, Display, Format, Layer, OutputFile, Picture, Tonemap, check_writable, encode_indexed_png, write_whole,
+};
+use texray::render::bounce_cap;
+use texray::render::{CapBias, Settings, StopRules, TimeRule};
 use texray::scene::Scene;
 use texray::{Error, Result};
 
 use super::document::{Document, Facts};
 use super::dry_run::{DryRun, PILOT_SECONDS, PILOT_SPP};
 use super::engine::{self, Engine, Rendered};
-use super::progress::{Reporter, duration, percent};
+use super::progress::Reporter;
 use super::settings::SettingsArgs;
 use super::signals::Signals;
 use super::stop::StopArgs;
 use super::streams::{answer_json, json, say};
-use super::{Outcome, explain, parse, save};
+use super::{Outcome, explain, parse, save, summary};
 
 /// Render a scene to picture files
 #[derive(Args)]
@@ -29,6 +32,12 @@ pub struct RenderArgs {
     /// Picture file, .exr, .png or .hdr; may be given several times [default: SCENE.exr and SCENE.png, here]
     #[arg(short, long, value_name = "FILE", action = ArgAction::Append)]
     output: Vec<PathBuf>,
+    /// Further layers of EXR files, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',')]
+    aov: Vec<Aov>,
+    /// Also write the standard error of each pixel as a picture of colours, .png (its text says what they mean)
+    #[arg(long, value_name = "FILE", value_parser = parse::png)]
+    error_map: Option<PathBuf>,
     /// Do not overwrite files
     #[arg(long)]
     no_clobber: bool,
@@ -110,7 +119,8 @@ impl RenderArgs {
         reporter.finish();
         let mut rendered = rendered?;
         rendered.report.seconds.load = seconds_load;
-        self.finish(started, &scene, &settings, &engine, &files, &mut rendered)?;
+        let cap_bias = self.cap_bias(&engine, &scene, &settings, rendered.report.spp, &signals)?;
+        self.finish(started, &scene, &settings, &engine, &files, &mut rendered, cap_bias)?;
         if !rendered.validation.is_empty() {
             rendered.validation.iter().for_each(|message| say(&format!("validation: {message}")));
             return Err(Error::Internal(format!("{} validation messages", rendered.validation.len())));
@@ -119,7 +129,7 @@ impl RenderArgs {
         Ok(match signals.received() {
             Some(signal) => Outcome::Signal(signal),
             None if self.running.strict && invalid > 0 => Outcome::InvalidSamples(invalid),
-            None => self.stop.missed(&rendered.report).map_or(Outcome::Done, Outcome::TargetMissed),
+            None => self.stop.missed(&rendered.report, cap_bias).map_or(Outcome::Done, Outcome::TargetMissed),
         })
     }
 
@@ -131,15 +141,37 @@ impl RenderArgs {
         engine.render(scene, &settings, rules, reporter)
     }
 
+    /// What the bounce cap cuts off, where it was asked for or costs little, and nobody waits for the end.
+    fn cap_bias(
+        &self,
+        engine: &Engine,
+        scene: &Scene,
+        settings: &Settings,
+        spp: u32,
+        signals: &Signals,
+    ) -> Result<Option<CapBias>> {
+        let unasked = self.stop.time_limit.is_none() && bounce_cap::is_cheap(scene, settings, spp);
+        if signals.received().is_some() || !(unasked || self.stop.max_bias.is_some()) {
+            return Ok(None);
+        }
+        engine.cap_bias(scene, settings, &mut Reporter::new(true, signals.clone()))
+    }
+
     /// Checks the files that will be written. Without `-o` their names are known once the scene's is, and the files that
     /// the scene names (`meshes`) once it is read.
     fn check_files(&self, scene_name: Option<&str>, meshes: &[PathBuf]) -> Result<Vec<OutputFile>> {
         let files = save::check(&self.output, scene_name, self.no_clobber)?;
         let ledger = self.running.ledger.as_deref();
-        let paths: Vec<_> = files.iter().map(OutputFile::path).chain(ledger).collect();
+        let error_map = self.error_map.as_deref();
+        let paths: Vec<_> = files.iter().map(OutputFile::path).chain(ledger).chain(error_map).collect();
+        if !self.aov.is_empty() && scene_name.is_some() && files.iter().all(|file| file.format() != Format::Exr) {
+            return Err(Error::Usage("--aov: layers are for .exr files, and none is written".into()));
+        }
         let scene: Vec<_> = std::iter::once(&self.scene).chain(meshes).map(PathBuf::as_path).collect();
         save::check_distinct(&scene, &paths)?;
-        ledger.map_or(Ok(()), |path| check_writable(path, self.no_clobber))?;
+        for path in ledger.into_iter().chain(error_map) {
+            check_writable(path, self.no_clobber)?;
+        }
         Ok(files)
     }
 
@@ -175,15 +207,16 @@ impl RenderArgs {
         engine: &Engine,
         files: &[OutputFile],
         rendered: &mut Rendered,
+        cap_bias: Option<CapBias>,
     ) -> Result<()> {
         let writing = Instant::now();
         let relative_rmse = rendered.report.relative_rmse;
         // Stopped before the first sample: there is no picture to save.
         let files = if rendered.report.spp == 0 { &[] } else { files };
         if !files.is_empty() {
-            let picture = Picture::new(settings.width, settings.height, settings.crop, rendered.film.mean())?;
+            let picture = self.picture(settings, &rendered.film)?;
             let display = Display { exposure_stops: self.display.exposure, tonemap: self.display.tonemap };
-            let metadata = save::metadata(scene, settings, engine.device(), &rendered.report, relative_rmse);
+            let metadata = save::metadata(scene, settings, engine.device(), &rendered.report, cap_bias);
             save::write(files, &picture, &display, &metadata)?;
         }
         if let Some(path) = &self.running.ledger {
@@ -197,37 +230,39 @@ impl RenderArgs {
             device: engine.device(),
             report: &rendered.report,
             relative_rmse,
+            cap_bias,
             empty_pixels: rendered.film.empty_pixels(),
-            outputs: files.iter().map(|file| file.path().display().to_string()).collect(),
+            outputs: self.written(files),
         };
         self.tell_after(&facts, rendered);
         if self.running.json { answer_json(&Document::new(facts)) } else { Ok(()) }
     }
 
+    /// Names of the pictures that were written.
+    fn written(&self, files: &[OutputFile]) -> Vec<String> {
+        let map = self.error_map.as_deref().filter(|_| !files.is_empty());
+        files.iter().map(OutputFile::path).chain(map).map(|path| path.display().to_string()).collect()
+    }
+
+    /// The picture with the layers asked for; writes the error map on the way.
+    fn picture(&self, settings: &Settings, film: &Film) -> Result<Picture> {
+        if self.aov.is_empty() && self.error_map.is_none() {
+            return Picture::new(settings.width, settings.height, settings.crop, film.mean());
+        }
+        let estimate = film.estimate();
+        if let Some(path) = &self.error_map {
+            let (palette, map) = (error_map::palette(), error_map::error_map(&estimate));
+            let png = encode_indexed_png(estimate.width, estimate.height, &palette, error_map::LEGEND, &map);
+            write_whole(path, self.no_clobber, &png.map_err(|message| Error::output(path, message))?)?;
+        }
+        let mut aov = self.aov.clone();
+        aov.dedup();
+        let layers = aov.into_iter().map(|aov| Layer::of(aov, film, &estimate)).collect();
+        Picture::new(settings.width, settings.height, settings.crop, estimate.mean)?.with_layers(layers)
+    }
+
     fn tell_after(&self, facts: &Facts, rendered: &Rendered) {
-        let report = facts.report;
-        let counted = |counts: &BTreeMap<&str, u64>| {
-            let counted = counts.iter().filter(|(_, count)| **count > 0);
-            counted.map(|(name, count)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
-        };
-        let kinds = counted(&report.invalid_kinds);
-        if !kinds.is_empty() {
-            let causes = counted(&report.invalid_samples);
-            say(&format!("warning: invalid samples were left out: {kinds}; by first cause: {causes}"));
-        }
-        if report.buffers != facts.settings.buffers {
-            say("warning: a record is too large for this device's texel buffers: storage buffers are used");
-        }
-        if facts.empty_pixels > 0 && report.spp > 0 {
-            say(&format!("warning: {} pixels have no valid sample and are black", facts.empty_pixels));
-        }
-        if report.error.is_some_and(|error| error.heavy_tailed) {
-            let share = report.error.map_or(0.0, |error| error.picture.heavy_share);
-            say(&format!(
-                "warning: heavy tail: 0.1 % of the pixels hold {} of the squared error; its estimate cannot be relied on",
-                percent(share)
-            ));
-        }
+        summary::warnings(facts).iter().for_each(|line| say(line));
         if self.running.quiet {
             return;
         }
@@ -235,49 +270,9 @@ impl RenderArgs {
             say(&rendered.report.tree.to_string());
             say(rendered.ledger_table.trim_end());
         }
-        summary(facts).iter().for_each(|line| say(line));
-        let reason = self.stop.reason(report, facts.settings.spp);
+        summary::lines(facts).iter().for_each(|line| say(line));
+        let reason = self.stop.reason(facts.report, facts.settings.spp);
         let files = if facts.outputs.is_empty() { "nothing".into() } else { facts.outputs.join(", ") };
         say(&format!("{reason}; wrote {files}"));
-    }
-}
-
-/// What it cost and what it is worth. Error falls with the root of the samples, so half of it takes four times the time.
-fn summary(facts: &Facts) -> [String; 2] {
-    let report = facts.report;
-    let error = match facts.relative_rmse {
-        Some(error) if error > 0.0 => format!(
-            "estimated relative RMSE {}{}; half of it takes {} spp, about {}",
-            percent(error),
-            bound(report.error),
-            u64::from(report.spp) * 4,
-            duration(report.seconds.render * 4.0)
-        ),
-        Some(_) => "estimated relative RMSE 0 %".into(),
-        None if facts.settings.sampler == Sampler::Table => {
-            "error unknown: a table's replicates are not independent".into()
-        }
-        None => "error unknown before two blocks of 16 spp".into(),
-    };
-    let speed = report.paths as f64 / report.seconds.render.max(1e-9) / 1e6;
-    let work = format!(
-        "{}x{}, {} spp, {} bounces: {} of {} rendering, {speed:.2} Mpaths/s",
-        facts.settings.width,
-        facts.settings.height,
-        report.spp,
-        facts.settings.max_bounces,
-        duration(report.seconds.render),
-        duration(report.seconds.total),
-    );
-    [work, error]
-}
-
-/// The error's bound in words.
-fn bound(error: Option<ErrorReport>) -> String {
-    match error {
-        Some(error) if error.upper.is_finite() => {
-            format!(", at most {} with {} confidence", percent(error.upper), percent(error.confidence))
-        }
-        _ => String::new(),
     }
 }

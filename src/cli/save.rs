@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use texray::output::{Display, Metadata, OutputFile, Picture};
-use texray::render::{RenderReport, Settings};
+use texray::render::{CapBias, RenderReport, Settings};
 use texray::scene::Scene;
 use texray::{Error, Result};
 
@@ -61,7 +61,7 @@ pub fn metadata(
     settings: &Settings,
     device: &DeviceLine,
     report: &RenderReport,
-    relative_rmse: Option<f64>,
+    cap_bias: Option<CapBias>,
 ) -> Metadata {
     let mut metadata = Metadata::new();
     let invalid: u64 = report.invalid_samples.values().sum();
@@ -87,9 +87,12 @@ pub fn metadata(
         .fixed("device", &device.name)
         .fixed("driver", &device.driver)
         .fixed("invalid_samples", invalid)
-        .fixed("relative_rmse", relative_rmse.map_or("unknown".into(), |error| error.to_string()));
+        .fixed("relative_rmse", report.relative_rmse.map_or("unknown".into(), |error| error.to_string()));
     if let Some(error) = report.error {
         metadata.fixed("relative_rmse_upper", error.upper).fixed("confidence", error.confidence);
+    }
+    if let Some(bias) = cap_bias {
+        metadata.fixed("bias_bounce_cap", bias.bounce_cap).fixed("bias_standard_error", bias.standard_error);
     }
     if let Some([x, y, w, h]) = settings.crop {
         metadata.fixed("crop", format!("{x},{y},{w},{h}"));

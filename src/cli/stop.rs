@@ -5,7 +5,7 @@
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use texray::render::{ErrorReport, RenderReport, Sampler, Settings, StopReason, StopRules, Target, TimeRule};
+use texray::render::{CapBias, ErrorReport, RenderReport, Sampler, Settings, StopReason, StopRules, Target, TimeRule};
 use texray::{Error, Result};
 
 use super::parse;
@@ -27,6 +27,9 @@ pub struct StopArgs {
     /// Probability that the error is no larger than --target-error when it stops
     #[arg(long, value_name = "P", default_value = "95%", value_parser = parse::confidence, requires = "target_error")]
     confidence: f64,
+    /// Exit with code 6 if the bounce cap may cut off more than this share of the light, such as 1% or 0.01
+    #[arg(long, value_name = "SHARE", value_parser = parse::ratio)]
+    pub max_bias: Option<f64>,
     /// Render a first few samples, say what the rest would take and write nothing
     #[arg(long)]
     pub dry_run: bool,
@@ -79,8 +82,21 @@ impl StopArgs {
         report.spp == 1 && self.time_limit.is_some_and(|limit| report.seconds.total > limit.as_secs_f64())
     }
 
-    /// What is missing to the target, where it is not met.
-    pub fn missed(&self, report: &RenderReport) -> Option<String> {
+    /// What is missing to the promises asked for, where they are not kept.
+    pub fn missed(&self, report: &RenderReport, cap_bias: Option<CapBias>) -> Option<String> {
+        let missed: Vec<String> = self.missed_target(report).into_iter().chain(self.exceeded_bias(cap_bias)).collect();
+        (!missed.is_empty()).then(|| missed.join("; "))
+    }
+
+    fn exceeded_bias(&self, cap_bias: Option<CapBias>) -> Option<String> {
+        let (most, bias) = (self.max_bias?, cap_bias?);
+        (bias.upper() > most).then(|| {
+            let (share, upper) = (percent(bias.bounce_cap), percent(bias.upper()));
+            format!("--max-bias {} is not kept: the bounce cap cuts off {share}, at most {upper}", percent(most))
+        })
+    }
+
+    fn missed_target(&self, report: &RenderReport) -> Option<String> {
         let target = percent(self.target()?.error);
         match &report.error {
             Some(error) if is_met(error) => None,

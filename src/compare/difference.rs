@@ -44,7 +44,7 @@ impl Difference {
 
     /// The bytes of a PNG file of this size, or why they cannot be made.
     pub fn png(&self, width: u32, height: u32) -> Result<Vec<u8>, String> {
-        encode_indexed_png(width, height, &palette(), &self.indices)
+        encode_indexed_png(width, height, &palette(), LEGEND, &self.indices)
     }
 }
 

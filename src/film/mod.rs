@@ -10,6 +10,7 @@
 //! spread of the replicate means is what the error is estimated from.
 
 mod error;
+pub mod error_map;
 mod estimate;
 pub mod fixed;
 pub mod memory;

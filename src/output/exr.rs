@@ -1,4 +1,4 @@
-//! OpenEXR: the picture as 32-bit floats, its window as the data window, its facts as attributes.
+//! OpenEXR: the picture and its layers as 32-bit floats, its window as the data window, its facts as attributes.
 //!
 //! Comes in: a picture and its metadata. Goes out: the bytes of a file. They are a function of what comes in: lines are
 //! in rising order, and the attributes are sorted by name, since the `exr` crate keeps them in a hash map of
@@ -7,8 +7,8 @@
 use std::io::Cursor;
 
 use exr::prelude::{
-    AttributeValue, Blocks, Compression, Encoding, Image, IntegerBounds, Layer, LayerAttributes, LineOrder,
-    SpecificChannels, Text, Vec2, WritableImage,
+    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Image, IntegerBounds, Layer,
+    LayerAttributes, LineOrder, SmallVec, Text, Vec2, WritableImage,
 };
 
 use super::{Metadata, Picture};
@@ -21,11 +21,15 @@ const PREAMBLE_BYTES: usize = 8;
 /// The file's bytes, or why they cannot be made.
 pub fn encode(picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>, String> {
     let (width, height) = (picture.width as usize, picture.height as usize);
-    let pixel = |at: Vec2<usize>| {
-        let [r, g, b] = picture.rgb[at.y() * width + at.x()];
-        (r, g, b)
-    };
-    let channels = SpecificChannels::rgb(pixel);
+    let colour = |c: usize| FlatSamples::F32(picture.rgb.iter().map(|rgb| rgb[c]).collect());
+    let mut channels: SmallVec<_> = (0..3).map(|c| AnyChannel::new(["R", "G", "B"][c], colour(c))).collect();
+    for layer in &picture.layers {
+        let named = |(name, values): &(&str, Vec<f32>)| {
+            AnyChannel::new(text(&format!("{}.{name}", layer.name)), FlatSamples::F32(values.clone()))
+        };
+        channels.extend(layer.channels.iter().map(named));
+    }
+    let channels = AnyChannels::sort(channels);
     let mut attributes = LayerAttributes {
         // The picture's place in the whole image; at most 16384, so it fits.
         layer_position: Vec2(picture.x as i32, picture.y as i32),

@@ -5,12 +5,14 @@
 
 mod exr;
 mod hdr;
+mod layer;
 mod metadata;
 mod picture;
 mod png;
 pub mod tonemap;
 mod write;
 
+pub use layer::{Aov, Layer};
 pub use metadata::Metadata;
 pub use picture::Picture;
 pub use png::{encode as encode_png, encode_indexed as encode_indexed_png};

@@ -3,6 +3,7 @@
 //! Comes in: pixels from a film. Goes out: the same, with the window they belong to. May be assumed: as many pixels as
 //! the window has, and a window inside the whole image ([`Picture::new`] checks both).
 
+use super::Layer;
 use crate::{Error, Result};
 
 /// Linear Rec. 709 radiance of a window of an image, in rows from the top.
@@ -22,6 +23,8 @@ pub struct Picture {
     pub full_height: u32,
     /// Radiance of each pixel, W/(sr·m²).
     pub rgb: Vec<[f32; 3]>,
+    /// Further figures of each pixel, for formats that hold them.
+    pub layers: Vec<Layer>,
 }
 
 impl Picture {
@@ -38,7 +41,17 @@ impl Picture {
                 rgb.len()
             )));
         }
-        Ok(Picture { x, y, width, height, full_width, full_height, rgb })
+        Ok(Picture { x, y, width, height, full_width, full_height, rgb, layers: Vec::new() })
+    }
+
+    /// The picture with these layers; each channel has a value of each pixel.
+    pub fn with_layers(mut self, layers: Vec<Layer>) -> Result<Picture> {
+        let fits = |layer: &Layer| layer.channels.iter().all(|(_, values)| values.len() == self.rgb.len());
+        if let Some(layer) = layers.iter().find(|layer| !fits(layer)) {
+            return Err(Error::Internal(format!("the layer {} is not of {} pixels", layer.name, self.rgb.len())));
+        }
+        self.layers = layers;
+        Ok(self)
     }
 
     /// Whether the window is less than the whole image.

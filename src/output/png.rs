@@ -14,9 +14,15 @@ pub fn encode(picture: &Picture, display: &Display, metadata: &Metadata) -> Resu
     write(picture, pixels.as_flattened(), metadata).map_err(|error| error.to_string())
 }
 
-/// A picture of colours from a palette (sRGB), an index a pixel, in rows from the top: the file's bytes, or why they cannot
-/// be made. At most 256 colours.
-pub fn encode_indexed(width: u32, height: u32, palette: &[[u8; 3]], indices: &[u8]) -> Result<Vec<u8>, String> {
+/// A picture of colours from a palette (sRGB) that mean what `legend` says, an index a pixel, in rows from the top: the file's
+/// bytes, or why they cannot be made. At most 256 colours.
+pub fn encode_indexed(
+    width: u32,
+    height: u32,
+    palette: &[[u8; 3]],
+    legend: &str,
+    indices: &[u8],
+) -> Result<Vec<u8>, String> {
     let write = || -> Result<Vec<u8>, EncodingError> {
         let mut bytes = Vec::new();
         let mut encoder = Encoder::new(&mut bytes, width, height);
@@ -25,6 +31,7 @@ pub fn encode_indexed(width: u32, height: u32, palette: &[[u8; 3]], indices: &[u
         encoder.set_palette(palette.as_flattened());
         encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
         encoder.add_text_chunk("Software".into(), "texray".into())?;
+        encoder.add_text_chunk("Description".into(), legend.into())?;
         let mut writer = encoder.write_header()?;
         writer.write_image_data(indices)?;
         writer.finish()?;

@@ -3,7 +3,9 @@
 //! Comes in: a checked scene and settings. Goes out: a [`Rendered`], the film with the figures of the render and the ledger
 //! of every copy. The stages stand one after another in [`Renderer::new`] and [`Renderer::render`].
 
+pub mod bounce_cap;
 pub mod effects;
+mod ending;
 pub mod frames;
 pub mod guard;
 pub mod kernel;
@@ -14,6 +16,7 @@ pub mod stop;
 pub mod tiles;
 pub mod upload;
 
+pub use bounce_cap::CapBias;
 pub use effects::{Effect, Effects};
 pub use frames::Renderer;
 pub use guard::Guard;
