@@ -4,9 +4,9 @@
 //! bias, which no spread of samples shows.
 //!
 //! The bound takes two precautions that the estimate does not. A pixel's variance counts as at least half of its neighbourhood's:
-//! one that has missed its rare bright path looks better than it is. And the estimate is itself an estimate: the spread of its 16 x 16
-//! tiles gives its standard error, by the bootstrap over tiles (Efron 1979), whose limit for a ratio of sums has a closed form,
-//! √(n/(n-1) Σ (s_i - Ê c_i)²) / Σ c_i with s_i the sum and c_i the count of tile i of n.
+//! one that has missed its rare bright path looks better than it is. And the estimate is itself an estimate: what two pixels side by
+//! side differ by in their squared errors is noise, so the n pairs of neighbours give its standard error, √(Σ d²) / pixels. Where few pairs
+//! bring most of it, it is less certain itself: Student's t has (Σ d²)² / Σ d⁴ degrees of freedom (after Satterthwaite 1946).
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -15,8 +15,6 @@ use super::estimate::{DENOMINATOR_FLOOR, Estimate};
 use super::{Film, neighbourhood};
 use crate::distributions::student_critical;
 
-/// Side in pixels of the tiles whose spread bounds the estimate.
-const TILE: usize = 16;
 /// Share of its neighbourhood's variance that a pixel has at least, in the bound.
 const NEIGHBOURS_SHARE: f64 = 0.5;
 /// Share of the pixels that may hold at most [`HEAVY_SHARE`] of the squared error.
@@ -37,25 +35,25 @@ pub struct PictureError {
     /// Mean square of the relative error, variances no less than half of the neighbourhood's.
     #[serde(skip)]
     guarded_square: f64,
-    /// Standard error of `guarded_square`, by its tiles.
+    /// Standard error of `guarded_square`.
     #[serde(skip)]
     standard_error: f64,
-    /// Tiles.
+    /// Degrees of freedom of `standard_error`, at least 1; 0 where there are no neighbours.
     #[serde(skip)]
-    tiles: usize,
+    degrees: f64,
 }
 
 impl PictureError {
-    /// A bound that the relative RMSE exceeds with probability `alpha`, in (0, 0.5]; infinite for a picture of one tile.
+    /// A bound that the relative RMSE exceeds with probability `alpha`, in (0, 0.5]; infinite for a picture of one column.
     pub fn upper(&self, alpha: f64) -> f64 {
         if self.guarded_square == 0.0 {
             return 0.0;
         }
-        if self.tiles < 2 {
+        if self.degrees < 1.0 {
             return f64::INFINITY;
         }
         // One-sided: either side of a two-sided interval has half of its probability.
-        let t = if alpha < 0.5 { student_critical(2.0 * alpha, (self.tiles - 1) as f64) } else { 0.0 };
+        let t = if alpha < 0.5 { student_critical(2.0 * alpha, self.degrees) } else { 0.0 };
         (self.guarded_square + t * self.standard_error).sqrt()
     }
 
@@ -93,14 +91,14 @@ impl Estimate {
             ((square(0) + square(1) + square(2)) / 3.0, (guarded(0) + guarded(1) + guarded(2)) / 3.0)
         };
         let (own, guarded): (Vec<f64>, Vec<f64>) = (0..width * height).into_par_iter().map(squares).unzip();
-        let (guarded_square, standard_error, tiles) = ratio_of_tiles(&guarded, width);
+        let (standard_error, degrees) = noise(&own, width);
         Some(PictureError {
             relative_rmse,
             heavy_share: if self.mean.iter().all(|mean| *mean == [0.0; 3]) { 1.0 } else { share_of_few(own) },
             dark_pixels: self.dark_pixels(),
-            guarded_square,
+            guarded_square: guarded.iter().sum::<f64>() / guarded.len() as f64,
             standard_error,
-            tiles,
+            degrees,
         })
     }
 
@@ -117,28 +115,20 @@ impl Estimate {
     }
 }
 
-/// Mean of `values`, rows of `width`, with its standard error by tiles, and how many tiles there are.
-fn ratio_of_tiles(values: &[f64], width: usize) -> (f64, f64, usize) {
-    let across = width.div_ceil(TILE);
-    let rows: Vec<Vec<(f64, f64)>> = values
-        .par_chunks(TILE * width)
-        .map(|band| {
-            let mut tiles = vec![(0.0, 0.0); across];
-            for row in band.chunks(width) {
-                for (tile, part) in tiles.iter_mut().zip(row.chunks(TILE)) {
-                    *tile = (tile.0 + part.iter().sum::<f64>(), tile.1 + part.len() as f64);
-                }
-            }
-            tiles
-        })
-        .collect();
-    let tiles: Vec<(f64, f64)> = rows.into_iter().flatten().collect();
-    let (sum, count) = tiles.iter().fold((0.0, 0.0), |(sum, count), tile| (sum + tile.0, count + tile.1));
-    let mean = sum / count;
-    let n = tiles.len() as f64;
-    let spread: f64 = tiles.iter().map(|(sum, count)| (sum - mean * count).powi(2)).sum();
-    let standard_error = if tiles.len() < 2 { f64::INFINITY } else { (spread * n / (n - 1.0)).sqrt() / count };
-    (mean, standard_error, tiles.len())
+/// Standard error of the mean of `values`, rows of `width`, and its degrees of freedom, from pairs of neighbours in a row.
+fn noise(values: &[f64], width: usize) -> (f64, f64) {
+    let pairs = values.chunks_exact(width).flat_map(|row| row.chunks_exact(2));
+    let (squares, fourths) = pairs.fold((0.0, 0.0), |(squares, fourths), pair| {
+        let square = (pair[0] - pair[1]).powi(2);
+        (squares + square, fourths + square * square)
+    });
+    let degrees = match (width > 1, fourths > 0.0) {
+        (false, _) => 0.0,
+        // No pair differs: nothing is uncertain.
+        (true, false) => f64::from(u32::MAX),
+        (true, true) => squares * squares / fourths,
+    };
+    (squares.sqrt() / values.len() as f64, degrees)
 }
 
 /// Share of the sum that the 0.1 % largest of `values` hold, at least one of them.
@@ -167,25 +157,30 @@ mod tests {
     fn an_even_picture_is_bounded_by_its_error() {
         let error = estimate(64, vec![0.0101; 64 * 64]).error().unwrap();
         assert!((error.relative_rmse - 0.1).abs() < 1e-12);
-        assert!((error.upper(0.05) - 0.1).abs() < 1e-9, "no tile differs");
+        assert!((error.upper(0.05) - 0.1).abs() < 1e-9, "no pixel differs");
         assert!((error.heavy_share - 4.0 / 4096.0).abs() < 1e-12 && !error.is_heavy_tailed());
         assert_eq!(error.dark_pixels, 0);
     }
 
     #[test]
-    fn a_bound_grows_with_confidence_and_with_the_spread_of_tiles() {
-        // Two tiles, sums 256 and 768 times v: mean 2 v, standard error √(2/1 · 2 (256 v)²) / 512 = v, t of one degree 6.314 at 5 %.
+    fn a_bound_grows_with_confidence_and_with_the_noise_of_pixels() {
+        // Of 256 pairs two differ, by v and by 2 v: standard error √5 v / 512, 25 / 17 degrees of freedom.
         let v = 0.01 * 1.01;
-        let picture: Vec<f64> = (0..512).map(|pixel| if pixel % 32 < 16 { v } else { 3.0 * v }).collect();
-        let (mean, standard_error, tiles) = ratio_of_tiles(&picture, 32);
-        assert_eq!(tiles, 2);
-        assert!((mean / v - 2.0).abs() < 1e-12 && (standard_error / v - 1.0).abs() < 1e-12);
+        let mut picture = vec![v; 512];
+        (picture[8], picture[300]) = (2.0 * v, 3.0 * v);
+        let (standard_error, degrees) = noise(&picture, 32);
+        assert!((standard_error - 5f64.sqrt() * v / 512.0).abs() < 1e-15 && (degrees - 25.0 / 17.0).abs() < 1e-9);
         let error = estimate(32, picture).error().unwrap();
-        let square = error.upper(0.05).powi(2);
-        assert!((square - (error.guarded_square + 6.313_751_5 * error.standard_error)).abs() < 1e-8);
         assert!(error.upper(0.01) > error.upper(0.05) && error.upper(0.05) > error.relative_rmse);
         assert_eq!(error.upper(0.5), error.guarded_square.sqrt());
-        assert_eq!(estimate(16, vec![v; 256]).error().unwrap().upper(0.05), f64::INFINITY, "one tile has no spread");
+        // A tilt from pixel to pixel is no noise where pairs of neighbours agree; t of many degrees is a normal number's.
+        let (flat, degrees) = noise(&[1.0, 1.0, 5.0, 5.0], 4);
+        assert_eq!((flat, degrees), (0.0, f64::from(u32::MAX)));
+        let even: Vec<f64> = (0..4096).map(|pixel| if pixel % 2 == 0 { v } else { 3.0 * v }).collect();
+        let error = estimate(64, even).error().unwrap();
+        let square = error.upper(0.05).powi(2) - error.guarded_square;
+        assert!((square / error.standard_error - 1.645).abs() < 2e-3, "2,048 pairs of one difference");
+        assert_eq!(estimate(1, vec![v; 256]).error().unwrap().upper(0.05), f64::INFINITY, "no pixel has a neighbour");
     }
 
     #[test]

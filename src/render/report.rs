@@ -56,7 +56,7 @@ pub struct ErrorReport {
     /// The estimate.
     #[serde(flatten)]
     pub picture: PictureError,
-    /// The relative RMSE is at most this, with probability `confidence`; infinite (null in JSON) for pictures of one tile.
+    /// The relative RMSE is at most this, with probability `confidence`; infinite (null in JSON) for pictures of one column.
     pub upper: f64,
     /// The confidence of `upper`, all looks of a target together.
     pub confidence: f64,
