@@ -82,6 +82,8 @@ pub struct Rendered {
     pub ledger_table: String,
     /// What validation complained about; empty without `--validation`.
     pub validation: Vec<String>,
+    /// What the bounce cap cuts off, once it is estimated.
+    pub cap_bias: Option<CapBias>,
 }
 
 /// A device, open.
@@ -167,6 +169,7 @@ impl Engine {
             ledger: to_json(&rendered.ledger)?,
             ledger_table: rendered.ledger.table(),
             validation: self.validation(),
+            cap_bias: None,
         })
     }
 }

@@ -119,8 +119,8 @@ impl RenderArgs {
         reporter.finish();
         let mut rendered = rendered?;
         rendered.report.seconds.load = seconds_load;
-        let cap_bias = self.cap_bias(&engine, &scene, &settings, rendered.report.spp, &signals)?;
-        self.finish(started, &scene, &settings, &engine, &files, &mut rendered, cap_bias)?;
+        rendered.cap_bias = self.cap_bias(&engine, &scene, &settings, rendered.report.spp, &signals)?;
+        self.finish(started, &scene, &settings, &engine, &files, &mut rendered)?;
         if !rendered.validation.is_empty() {
             rendered.validation.iter().for_each(|message| say(&format!("validation: {message}")));
             return Err(Error::Internal(format!("{} validation messages", rendered.validation.len())));
@@ -129,7 +129,7 @@ impl RenderArgs {
         Ok(match signals.received() {
             Some(signal) => Outcome::Signal(signal),
             None if self.running.strict && invalid > 0 => Outcome::InvalidSamples(invalid),
-            None => self.stop.missed(&rendered.report, cap_bias).map_or(Outcome::Done, Outcome::TargetMissed),
+            None => self.stop.missed(&rendered.report, rendered.cap_bias).map_or(Outcome::Done, Outcome::TargetMissed),
         })
     }
 
@@ -207,7 +207,6 @@ impl RenderArgs {
         engine: &Engine,
         files: &[OutputFile],
         rendered: &mut Rendered,
-        cap_bias: Option<CapBias>,
     ) -> Result<()> {
         let writing = Instant::now();
         let relative_rmse = rendered.report.relative_rmse;
@@ -216,7 +215,7 @@ impl RenderArgs {
         if !files.is_empty() {
             let picture = self.picture(settings, &rendered.film)?;
             let display = Display { exposure_stops: self.display.exposure, tonemap: self.display.tonemap };
-            let metadata = save::metadata(scene, settings, engine.device(), &rendered.report, cap_bias);
+            let metadata = save::metadata(scene, settings, engine.device(), &rendered.report, rendered.cap_bias);
             save::write(files, &picture, &display, &metadata)?;
         }
         if let Some(path) = &self.running.ledger {
@@ -230,7 +229,7 @@ impl RenderArgs {
             device: engine.device(),
             report: &rendered.report,
             relative_rmse,
-            cap_bias,
+            cap_bias: rendered.cap_bias,
             empty_pixels: rendered.film.empty_pixels(),
             outputs: self.written(files),
         };

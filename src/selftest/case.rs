@@ -43,7 +43,6 @@ pub const IN_PART: &[(u8, &str)] = &[
     (47, "the picture at the smallest roughness awaits rough materials"),
     (57, "mixtures of lobes in a furnace await materials that mix"),
     (60, "two films made apart await the command `merge`"),
-    (66, "the figure of the missing energy awaits the report of the bias"),
     (67, "the clamped half awaits a clamp"),
     (77, "rough glass awaits rough materials"),
 ];

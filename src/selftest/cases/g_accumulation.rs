@@ -8,7 +8,8 @@ use crate::gpu::shaders;
 use crate::interface::BLOCK_SAMPLES;
 use crate::output::{Display, Tonemap};
 use crate::render::Guard;
-use crate::selftest::bench::plain_settings;
+use crate::render::bounce_cap::cap_bias;
+use crate::selftest::bench::{Silent, plain_settings};
 use crate::selftest::calls::{Calls, pixel};
 use crate::selftest::draws::{correlation, pairs, scatter_of_means, unit};
 use crate::selftest::finding::VERDICTS;
@@ -319,7 +320,7 @@ fn dimensions_of_a_bounce(bench: &Bench) -> Result<Vec<Finding>> {
     Ok(findings)
 }
 
-/// Energy beyond the cap is missing, and as much as the series says.
+/// Energy beyond the cap is missing, as much as the series says, and the report of the bias says so.
 fn bounce_cap(bench: &Bench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     for (albedo, expected) in [(0.5f32, 1.996_093_75), (0.8, 4.328_911_36)] {
@@ -331,6 +332,11 @@ fn bounce_cap(bench: &Bench) -> Result<Vec<Finding>> {
         let settings = Settings { max_bounces: 8, ..plain_settings(&scene, 32, 32, bench.count(32, 512) as u32) };
         let what = format!("furnace {albedo} capped at 8 bounces, light samples");
         findings.push(mean(bench, what, &scene, &settings, expected)?);
+        if let Some(bias) = cap_bias(bench.context(), &scene, &settings, &mut Silent)? {
+            let what = format!("furnace {albedo} capped at 8 bounces, share cut off as reported");
+            let whole = 1.0 / (1.0 - f64::from(albedo));
+            findings.push(Finding::z(what, 1.0 - expected / whole, bias.bounce_cap, bias.standard_error.powi(2)));
+        }
     }
     Ok(findings)
 }
