@@ -327,6 +327,24 @@ fn the_self_test_tells_of_each_case() {
     }
 }
 
+/// Threads of the driver (lavapipe takes `LP_NUM_THREADS`) and of the host's own work: the file is the same, byte for byte.
+#[test]
+fn threads_do_not_show() {
+    let folder = folder();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-glass.toml");
+    let render = |file: &str, driver: &str, host: &str| {
+        let arguments = ["render", scene, "--size", "61x47", "--spp", "20", "--aov", "variance", "-q", "-o", file];
+        let mut command = command(folder.path(), &arguments);
+        let output = command.env("LP_NUM_THREADS", driver).env("RAYON_NUM_THREADS", host).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text_of(&output));
+        fs::read(folder.path().join(file)).unwrap()
+    };
+    let one = render("one.exr", "1", "1");
+    for (file, driver, host) in [("driver.exr", "2", "1"), ("host.exr", "1", "3"), ("both.exr", "4", "2")] {
+        assert!(render(file, driver, host) == one, "{driver} threads of the driver and {host} of the host show");
+    }
+}
+
 #[test]
 fn layers_and_error_map() {
     let folder = folder();

@@ -19,6 +19,8 @@ use crate::distributions::student_critical;
 const NEIGHBOURS_SHARE: f64 = 0.5;
 /// Share of the pixels that may hold at most [`HEAVY_SHARE`] of the squared error.
 const FEW_PIXELS: f64 = 1e-3;
+/// Degrees of freedom from which Student's t is a normal number.
+const MANY_DEGREES: f64 = 1e6;
 /// Above this share the tail is heavy: a few pixels rule the error, and more like them may not have been met yet.
 const HEAVY_SHARE: f64 = 0.5;
 
@@ -49,7 +51,8 @@ impl PictureError {
         if self.guarded_square == 0.0 {
             return 0.0;
         }
-        if self.degrees < 1.0 {
+        // No neighbours, or a picture that is too bright for f32.
+        if self.guarded_square.is_nan() || self.degrees.is_nan() || self.degrees < 1.0 {
             return f64::INFINITY;
         }
         // One-sided: either side of a two-sided interval has half of its probability.
@@ -122,11 +125,11 @@ fn noise(values: &[f64], width: usize) -> (f64, f64) {
         let square = (pair[0] - pair[1]).powi(2);
         (squares + square, fourths + square * square)
     });
-    let degrees = match (width > 1, fourths > 0.0) {
+    let degrees = match (width > 1, fourths == 0.0) {
         (false, _) => 0.0,
         // No pair differs: nothing is uncertain.
-        (true, false) => f64::from(u32::MAX),
-        (true, true) => squares * squares / fourths,
+        (true, true) => MANY_DEGREES,
+        (true, false) => (squares * squares / fourths).clamp(1.0, MANY_DEGREES),
     };
     (squares.sqrt() / values.len() as f64, degrees)
 }
@@ -175,11 +178,15 @@ mod tests {
         assert_eq!(error.upper(0.5), error.guarded_square.sqrt());
         // A tilt from pixel to pixel is no noise where pairs of neighbours agree; t of many degrees is a normal number's.
         let (flat, degrees) = noise(&[1.0, 1.0, 5.0, 5.0], 4);
-        assert_eq!((flat, degrees), (0.0, f64::from(u32::MAX)));
+        assert_eq!((flat, degrees), (0.0, MANY_DEGREES));
         let even: Vec<f64> = (0..4096).map(|pixel| if pixel % 2 == 0 { v } else { 3.0 * v }).collect();
         let error = estimate(64, even).error().unwrap();
         let square = error.upper(0.05).powi(2) - error.guarded_square;
         assert!((square / error.standard_error - 1.645).abs() < 2e-3, "2,048 pairs of one difference");
+        let mut infinite = estimate(32, vec![v; 512]);
+        infinite.mean[7] = [f32::INFINITY; 3];
+        infinite.variance[7] = [f64::INFINITY; 3];
+        assert_eq!(infinite.error().unwrap().upper(0.05), f64::INFINITY, "a pixel above what f32 holds");
         assert_eq!(estimate(1, vec![v; 256]).error().unwrap().upper(0.05), f64::INFINITY, "no pixel has a neighbour");
     }
 
