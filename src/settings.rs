@@ -100,6 +100,17 @@ pub enum Sampler {
     Table,
 }
 
+impl Sampler {
+    /// Power of the number of samples that the squared error falls with, which forecasts go by: 1 for independent samples. For
+    /// Sobol' points it is what scenes showed (`docs/accuracy.md`), which no theorem gives for pictures with edges.
+    pub fn convergence(self) -> f64 {
+        match self {
+            Sampler::Sobol => 1.1,
+            Sampler::Independent | Sampler::Table => 1.0,
+        }
+    }
+}
+
 /// What finds hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]

@@ -77,8 +77,8 @@ impl<'a> DryRun<'a> {
                 seconds_per_sample: report.seconds_per_sample,
                 relative_rmse: report.relative_rmse,
             },
-            asked: (settings.spp < u32::MAX).then(|| asked(settings.spp, report)),
-            targets: reached(target, report),
+            asked: (settings.spp < u32::MAX).then(|| asked(settings.spp, settings.sampler.convergence(), report)),
+            targets: reached(target, settings.sampler.convergence(), report),
             bytes: Bytes {
                 film: Film::bytes(film.pixels() as u64, film.replicate_count()),
                 device: report.bytes.device,
@@ -113,10 +113,10 @@ impl<'a> DryRun<'a> {
     }
 }
 
-/// Time and error at `spp`: time grows with the samples, error falls with their root.
-fn asked(spp: u32, report: &RenderReport) -> Asked {
+/// Time and error at `spp`: time grows with the samples, the squared error falls as they do to the power `-exponent`.
+fn asked(spp: u32, exponent: f64, report: &RenderReport) -> Asked {
     let more = f64::from(spp) - f64::from(report.spp);
-    let fewer = (f64::from(report.spp) / f64::from(spp)).sqrt();
+    let fewer = (f64::from(report.spp) / f64::from(spp)).powf(exponent / 2.0);
     Asked {
         spp,
         seconds: (report.seconds.render + more * report.seconds_per_sample).max(0.0),
@@ -124,7 +124,7 @@ fn asked(spp: u32, report: &RenderReport) -> Asked {
     }
 }
 
-fn reached(target: Option<Target>, report: &RenderReport) -> Vec<Reached> {
+fn reached(target: Option<Target>, exponent: f64, report: &RenderReport) -> Vec<Reached> {
     let Some(error) = &report.error else {
         return Vec::new();
     };
@@ -134,7 +134,8 @@ fn reached(target: Option<Target>, report: &RenderReport) -> Vec<Reached> {
     };
     let reach = |target: Target| {
         let looks = Looks::new();
-        let at = looks.forecast(&error.picture, target, report.spp, report.seconds.render, report.seconds_per_sample);
+        let (seconds, pace) = (report.seconds.render, report.seconds_per_sample);
+        let at = looks.forecast(&error.picture, target, report.spp, exponent, seconds, pace);
         Reached { error: target.error, confidence: target.confidence, spp: at.spp, seconds: at.seconds }
     };
     targets.into_iter().map(reach).collect()

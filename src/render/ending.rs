@@ -72,7 +72,9 @@ impl Renderer {
         };
         let alpha = self.looks.take(done, 1.0 - target.confidence);
         let upper = error.upper(alpha);
-        let forecast = self.looks.forecast(&error, target, done, elapsed.as_secs_f64(), self.report.seconds_per_sample);
+        let exponent = self.settings.sampler.convergence();
+        let (elapsed, pace) = (elapsed.as_secs_f64(), self.report.seconds_per_sample);
+        let forecast = self.looks.forecast(&error, target, done, exponent, elapsed, pace);
         self.forecasts = Some((self.forecasts.map_or(forecast, |(first, _)| first), forecast));
         self.report.relative_rmse = Some(error.relative_rmse);
         let met = upper <= target.error && !error.is_heavy_tailed();

@@ -90,20 +90,22 @@ impl Looks {
         self.taken
     }
 
-    /// The look at which `target` will be met, if the error falls with the root of the samples: from `spp` samples of `error`, each
-    /// `seconds_per_sample`, `elapsed` seconds after the first dispatch.
+    /// The look at which `target` will be met, if the squared error falls as samples to the power `-exponent`: from `spp` samples of
+    /// `error`, each `seconds_per_sample`, `elapsed` seconds after the first dispatch.
     pub fn forecast(
         &self,
         error: &PictureError,
         target: Target,
         spp: u32,
+        exponent: f64,
         elapsed: f64,
         seconds_per_sample: f64,
     ) -> Forecast {
         let (mut look, mut blocks) = (self.taken.max(1), u64::from((spp / BLOCK_SAMPLES).max(1)));
         let now = blocks as f64;
         let met = |look: u32, blocks: u64| {
-            error.upper(share(look, 1.0 - target.confidence)) * (now / blocks as f64).sqrt() <= target.error
+            error.upper(share(look, 1.0 - target.confidence)) * (now / blocks as f64).powf(exponent / 2.0)
+                <= target.error
         };
         // Ends: bounds grow with the logarithm of the looks, errors fall by a tenth each. An infinite bound has no end.
         while !met(look, blocks) && look < 500 {
