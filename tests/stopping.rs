@@ -140,16 +140,17 @@ fn a_dry_run_says_what_it_would_take_and_writes_nothing() {
     assert_eq!((&document["dry_run"], &document["pilot"]["spp"]), (&true.into(), &32.into()));
     let asked = &document["asked"];
     assert_eq!(asked["spp"], 3200);
-    let tenth = document["pilot"]["relative_rmse"].as_f64().unwrap() / 10.0;
-    assert!((asked["relative_rmse"].as_f64().unwrap() / tenth - 1.0).abs() < 1e-9, "{document}");
+    // The squared error of Sobol' points is taken to fall as samples to the power -1.1.
+    let expected = document["pilot"]["relative_rmse"].as_f64().unwrap() / 100f64.powf(0.55);
+    assert!((asked["relative_rmse"].as_f64().unwrap() / expected - 1.0).abs() < 1e-9, "{document}");
     assert!(
         document["bytes"]["film"].as_u64().unwrap() > 64 * 48 * 48 && document["bytes"]["device"].as_u64().unwrap() > 0
     );
     let spp: Vec<u64> =
         document["targets"].as_array().unwrap().iter().map(|target| target["spp"].as_u64().unwrap()).collect();
     assert!(
-        spp.len() == 4 && spp.is_sorted() && spp[3] > 8 * spp[2],
-        "a third of the error takes nine times the samples: {spp:?}"
+        spp.len() == 4 && spp.is_sorted() && spp[3] > 7 * spp[2],
+        "0.3 of the error takes 8.9 times the samples, to a look a quarter away: {spp:?}"
     );
 
     let output = texray(folder.path(), &["room.toml", "--dry-run", "--target-error", "1%"]);
