@@ -36,16 +36,17 @@ pub fn warnings(facts: &Facts) -> Vec<String> {
     warnings
 }
 
-/// What it cost and what it is worth. Error falls with the root of the samples, so half of it takes four times the time.
+/// What it cost and what it is worth. Half of the error takes 4^(1/p) times the samples, p the sampler's convergence.
 pub fn lines(facts: &Facts) -> Vec<String> {
     let report = facts.report;
+    let times = 4f64.powf(1.0 / facts.settings.sampler.convergence());
     let error = match facts.relative_rmse {
         Some(error) if error > 0.0 => format!(
             "estimated relative RMSE {}{}; half of it takes {} spp, about {}",
             percent(error),
             bound(report.error),
-            u64::from(report.spp) * 4,
-            duration(report.seconds.render * 4.0)
+            (f64::from(report.spp) * times).ceil(),
+            duration(report.seconds.render * times)
         ),
         Some(_) => "estimated relative RMSE 0 %".into(),
         None if facts.settings.sampler == Sampler::Table => {
