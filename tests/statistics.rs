@@ -15,7 +15,7 @@ use harness::statistics::{
 use harness::tracer::Estimate;
 use texray::distributions::{
     beta_lower, chi_square_upper, gamma_upper, kolmogorov_upper, ln_gamma, normal_critical, normal_two_sided,
-    student_two_sided,
+    student_critical, student_two_sided,
 };
 
 fn close(value: f64, expected: f64, tolerance: f64) {
@@ -42,6 +42,32 @@ fn special_functions_have_their_closed_forms() {
         close(beta_lower(2.0, 1.0, x), x * x, 1e-12);
         close(beta_lower(3.0, 4.0, x) + beta_lower(4.0, 3.0, 1.0 - x), 1.0, 1e-12);
     }
+}
+
+#[test]
+fn what_is_not_defined_is_not_a_number() {
+    let undefined = [
+        gamma_upper(0.0, 1.0),
+        gamma_upper(1.0, -1.0),
+        gamma_upper(f64::NAN, 1.0),
+        gamma_upper(1.0, f64::NAN),
+        beta_lower(1.0, 1.0, 1.5),
+        beta_lower(-1.0, 1.0, 0.5),
+        beta_lower(1.0, f64::NAN, 0.5),
+        normal_two_sided(f64::NAN),
+        student_two_sided(1.0, 0.0),
+        chi_square_upper(-1.0, 3.0),
+        normal_critical(0.0),
+        normal_critical(1.0),
+        normal_critical(f64::NAN),
+        student_critical(0.05, 0.0),
+        student_critical(0.05, f64::NAN),
+    ];
+    for (i, value) in undefined.into_iter().enumerate() {
+        assert!(value.is_nan(), "case {i} is {value}");
+    }
+    // A series that takes more terms than are allowed.
+    assert!(gamma_upper(1e14, 1e14).is_nan());
 }
 
 #[test]

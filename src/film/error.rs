@@ -57,7 +57,8 @@ impl PictureError {
         }
         // One-sided: either side of a two-sided interval has half of its probability.
         let t = if alpha < 0.5 { student_critical(2.0 * alpha, self.degrees) } else { 0.0 };
-        (self.guarded_square + t * self.standard_error).sqrt()
+        let bound = (self.guarded_square + t * self.standard_error).sqrt();
+        if bound.is_nan() { f64::INFINITY } else { bound }
     }
 
     /// Whether so few pixels hold so much of the error that neither estimate nor bound can be relied on.

@@ -88,6 +88,10 @@ pub(super) fn messenger_info(log: &Arc<MessageLog>) -> vk::DebugUtilsMessengerCr
 }
 
 /// The messenger's callback. Returns `FALSE`: the call that caused the message goes on, as it would without layers.
+///
+/// # Safety
+///
+/// For Vulkan to call: `data` is valid during the call, and `user_data` that of [`messenger_info`], whose log is alive.
 unsafe extern "system" fn receive(
     severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _types: vk::DebugUtilsMessageTypeFlagsEXT,

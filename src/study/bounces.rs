@@ -37,7 +37,7 @@ struct Scale {
     repeats: u32,
 }
 
-const FULL: Scale = Scale { size: [320, 240], spp: 64, repeats: 3 };
+const FULL: Scale = Scale { size: [200, 150], spp: 64, repeats: 3 };
 const QUICK: Scale = Scale { size: [160, 120], spp: 16, repeats: 3 };
 const LEAST: Scale = Scale { size: [16, 12], spp: 16, repeats: 1 };
 

@@ -33,7 +33,7 @@ struct Scale {
     repeats: u32,
 }
 
-const FULL: Scale = Scale { size: [320, 240], spp: 32, repeats: 7 };
+const FULL: Scale = Scale { size: [240, 180], spp: 32, repeats: 5 };
 const QUICK: Scale = Scale { size: [160, 120], spp: 16, repeats: 3 };
 const LEAST: Scale = Scale { size: [8, 6], spp: 16, repeats: 1 };
 

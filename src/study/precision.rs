@@ -57,7 +57,7 @@ struct Scale {
     rays: usize,
 }
 
-const FULL: Scale = Scale { size: [320, 240], spp: 32, repeats: 5, rays: 1_000_000 };
+const FULL: Scale = Scale { size: [240, 180], spp: 32, repeats: 4, rays: 1_000_000 };
 const QUICK: Scale = Scale { size: [128, 96], spp: 16, repeats: 3, rays: 100_000 };
 const LEAST: Scale = Scale { size: [8, 6], spp: 16, repeats: 1, rays: 1_000 };
 

@@ -29,7 +29,7 @@ struct Scale {
     repeats: u32,
 }
 
-const FULL: Scale = Scale { size: [240, 180], repeats: 3 };
+const FULL: Scale = Scale { size: [160, 120], repeats: 3 };
 const QUICK: Scale = Scale { size: [128, 96], repeats: 2 };
 const LEAST: Scale = Scale { size: [8, 6], repeats: 1 };
 

@@ -43,7 +43,7 @@ struct Scale {
     reference_spp: u32,
 }
 
-const FULL: Scale = Scale { size: [320, 240], spp: 64, repeats: 5, reference_spp: 1024 };
+const FULL: Scale = Scale { size: [240, 180], spp: 32, repeats: 3, reference_spp: 1024 };
 const QUICK: Scale = Scale { size: [128, 96], spp: 32, repeats: 3, reference_spp: 1024 };
 const LEAST: Scale = Scale { size: [8, 6], spp: 16, repeats: 1, reference_spp: 64 };
 
