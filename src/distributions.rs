@@ -1,8 +1,9 @@
 //! Tail probabilities of the distributions that tests and error bounds are judged by, in f64.
 //!
 //! Comes in: a statistic and its degrees of freedom. Goes out: the probability of one at least as extreme; NaN where it is not
-//! defined, or where a series has not settled after 100,000 terms: neither passes a comparison with a limit. Relative error below 1e-9 down to 1e-12 (`tests/statistics.rs` holds them against printed tables). Series and continued
-//! fractions are those of Abramowitz and Stegun, chapters 6 and 26, evaluated by Lentz's method.
+//! defined, or where a series has not settled after 100,000 terms: neither passes a comparison with a limit. Relative error
+//! below 1e-9 down to 1e-12 (`tests/statistics.rs` holds them against printed tables). Series and continued fractions are those
+//! of Abramowitz and Stegun, chapters 6 and 26, evaluated by Lentz's method.
 
 /// Terms after which a series that has not settled is given up: far above the need of any test here.
 const TERMS: u32 = 100_000;

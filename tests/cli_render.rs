@@ -120,7 +120,7 @@ fn json_is_one_document() {
     ] {
         assert!(document.get(key).is_some(), "{key} in {document:#}");
     }
-    for key in ["load", "bvh", "upload", "pipeline", "render", "readback", "write", "total"] {
+    for key in ["load", "bvh", "upload", "pipeline", "render", "estimate", "readback", "write", "total"] {
         assert!(document["seconds"][key].as_f64().is_some_and(|seconds| seconds >= 0.0), "{key} in {document:#}");
     }
     assert_eq!((&document["schema"], &document["spp"], &document["seed"]), (&1.into(), &48.into(), &7.into()));

@@ -3,7 +3,7 @@
 //! Comes in: a picture, how to show it, and its metadata. Goes out: the bytes of a file. A crop is as large as its
 //! window; where it lies in the image is among the facts.
 
-use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
+use png::{BitDepth, ColorType, Encoder, EncodingError, Filter, SrgbRenderingIntent};
 use rayon::prelude::*;
 
 use super::{Display, Metadata, Picture};
@@ -29,6 +29,8 @@ pub fn encode_indexed(
         encoder.set_color(ColorType::Indexed);
         encoder.set_depth(BitDepth::Eight);
         encoder.set_palette(palette.as_flattened());
+        // Filters predict a value from its neighbours'; an index is a name.
+        encoder.set_filter(Filter::NoFilter);
         encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
         encoder.add_text_chunk("Software".into(), "texray".into())?;
         encoder.add_text_chunk("Description".into(), legend.into())?;

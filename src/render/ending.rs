@@ -19,6 +19,12 @@ pub(super) struct EstimateClock {
     due: Duration,
 }
 
+impl EstimateClock {
+    pub(super) fn cost(&self) -> Duration {
+        self.cost
+    }
+}
+
 impl Renderer {
     /// Estimates the error, if it is time: the estimate reads the whole film, and shall cost less than 2 % of the render.
     pub(super) fn estimate_error(&mut self, elapsed: Duration) {
@@ -93,7 +99,9 @@ impl Renderer {
             Some(target) => self.looks.take(done, 1.0 - target.confidence),
             None => 1.0 - DEFAULT_CONFIDENCE,
         };
+        let start = Instant::now();
         let error = self.film.error();
+        self.estimate.cost += start.elapsed();
         self.report.relative_rmse = error.map(|error| error.relative_rmse);
         self.report.error = error.map(|error| self.error_report(error, error.upper(alpha)));
     }

@@ -108,6 +108,7 @@ impl Renderer {
         self.report.spp = done;
         self.report.table_wraps = self.table_wraps(done);
         self.report.seconds.render = start.elapsed().as_secs_f64();
+        self.report.seconds.estimate = self.estimate.cost().as_secs_f64();
         self.report.bytes = Bytes {
             uploaded: self.ledger.bytes_up(),
             read_back: self.ledger.bytes_down(),

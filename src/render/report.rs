@@ -81,8 +81,10 @@ pub struct StageSeconds {
     pub upload: f64,
     /// Making the pipeline (the driver's compiler included, as far as it runs then).
     pub pipeline: f64,
-    /// From the first dispatch to the end of the last run.
+    /// From the first dispatch to the end of the last run and of the last look at the error.
     pub render: f64,
+    /// Estimating the error; part of `render`.
+    pub estimate: f64,
     /// Waiting for and adding up what came back; part of it overlaps `render`.
     pub readback: f64,
     /// Writing pictures.

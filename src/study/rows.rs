@@ -1,8 +1,8 @@
 //! The raw figures of a study, kept on disk as they come.
 //!
-//! Comes in: a folder, what is being measured where, rows. Goes out: `NAME.json` (everything) and `NAME.csv` (a line a row), written
-//! anew after each row, whole or not at all. A study of the same origin goes on from what it finds there; rows of another
-//! device, driver, version, kernel or set of options are never mixed in: they are refused.
+//! Comes in: a folder, what is being measured where, rows. Goes out: `NAME.json` (everything) and `NAME.csv` (a line a row,
+//! fractions to nine digits), written anew after each row, whole or not at all. A study of the same origin goes on from what it
+//! finds there; rows of another device, driver, version, kernel or set of options are never mixed in: they are refused.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -172,7 +172,7 @@ impl Rows {
             for name in &names {
                 text.push(',');
                 if let Some(value) = row.values.get(*name) {
-                    text += &value.to_string();
+                    text += &nine_digits(*value);
                 }
             }
         }
@@ -197,6 +197,15 @@ fn quoted(field: &str) -> String {
         true => format!("\"{}\"", field.replace('"', "\"\"")),
         false => field.into(),
     }
+}
+
+/// A whole number as it is, another one to nine digits: far finer than what a machine's noise leaves of a figure.
+fn nine_digits(value: f64) -> String {
+    if value.fract() == 0.0 {
+        return value.to_string();
+    }
+    // What was printed is a number again, and its shortest form is short.
+    format!("{value:.8e}").parse().unwrap_or(value).to_string()
 }
 
 #[cfg(test)]
@@ -239,6 +248,10 @@ mod tests {
         assert_eq!(again.values("a,b", "x", "seconds").collect::<Vec<_>>(), [1.5]);
         let csv = std::fs::read_to_string(folder.path().join("speed.csv")).unwrap();
         assert_eq!(csv, "scene,case,repeat,bytes,seconds\n\"a,b\",x,0,,1.5\n\"a,b\",x,1,7,\n");
+        assert_eq!(nine_digits(0.1 + 0.2), "0.3");
+        assert_eq!(nine_digits(-1_234.567_891_234), "-1234.56789");
+        assert_eq!(nine_digits(1.234_567_891_2e-5), "0.0000123456789");
+        assert_eq!((nine_digits(12_345_678_912.0).as_str(), nine_digits(f64::NAN).as_str()), ("12345678912", "NaN"));
         let error = Rows::open(folder.path(), origin("two")).unwrap_err();
         assert!(error.to_string().contains("another device"), "{error}");
         std::fs::write(folder.path().join("speed.json"), "{}").unwrap();

@@ -137,7 +137,7 @@ fn label(rows: &Rows, scene: &str, spp: u32) -> String {
     let of = |value| rows.median(scene, &spp.to_string(), value);
     let seconds = of("seconds").map_or(String::new(), |seconds| format!(", {} s", digits(seconds)));
     let error = of("relative_mse").map_or(String::new(), |error| format!(", error {}", percent(error)));
-    format!("{spp} samples{seconds}{error}")
+    format!("{spp} sample{}{seconds}{error}", if spp == 1 { "" } else { "s" })
 }
 
 /// Error against time.
