@@ -25,6 +25,7 @@ macro_rules! device_objects {
             unsafe fn destroy(self, device: &ash::Device) {
                 // SAFETY: the caller's promise is the valid usage of every vkDestroy command; host access to the
                 // object is exclusive, since it is taken by value from its one owner.
+                // SAFETY: the caller's promise; no allocation callbacks were given when it was made.
                 unsafe { device.$destroy(self, None) }
             }
         })*
