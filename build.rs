@@ -25,6 +25,8 @@ const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("path_trace_keep_nan", "path_trace.comp", &["SUBGROUP_BALLOT=1", "KEEP_NAN=1"]),
     ("path_trace_plain", "path_trace.comp", &["SUBGROUP_BALLOT=0", "KEEP_NAN=0"]),
     ("path_trace_plain_keep_nan", "path_trace.comp", &["SUBGROUP_BALLOT=0", "KEEP_NAN=1"]),
+    ("probe_floats", "probe_floats.comp", &["KEEP_NAN=0"]),
+    ("probe_floats_keep_nan", "probe_floats.comp", &["KEEP_NAN=1"]),
     ("probe_sums", "probe_sums.comp", &["PRECISE=precise"]),
     ("probe_sums_loose", "probe_sums.comp", &["PRECISE="]),
     ("probe_startup", "probe_startup.comp", &["KEEP_NAN=0"]),

@@ -9,6 +9,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+// What a comparison does with NaN depends on the mode: it is that of the renders that the probe speaks for.
+#include "keep_nan.glsl"
 #include "bindings.glsl"
 #include "camera.glsl"
 #include "probes/product_error.glsl"

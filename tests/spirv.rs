@@ -122,10 +122,15 @@ fn kept_nan(words: &[u32]) -> Vec<u32> {
 
 #[test]
 fn nan_is_kept_where_a_module_says_so() {
-    for words in [shaders::PATH_TRACE_KEEP_NAN, shaders::PATH_TRACE_PLAIN_KEEP_NAN, shaders::PROBE_STARTUP_KEEP_NAN] {
+    for words in [
+        shaders::PATH_TRACE_KEEP_NAN,
+        shaders::PATH_TRACE_PLAIN_KEEP_NAN,
+        shaders::PROBE_FLOATS_KEEP_NAN,
+        shaders::PROBE_STARTUP_KEEP_NAN,
+    ] {
         assert_eq!(kept_nan(words), [32]);
     }
-    for words in [shaders::PATH_TRACE, shaders::PATH_TRACE_PLAIN, shaders::PROBE_STARTUP] {
+    for words in [shaders::PATH_TRACE, shaders::PATH_TRACE_PLAIN, shaders::PROBE_FLOATS, shaders::PROBE_STARTUP] {
         assert!(kept_nan(words).is_empty());
     }
 }

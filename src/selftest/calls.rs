@@ -7,6 +7,7 @@ use super::probe::Probe;
 use super::scenes::{SceneBuilder, camera};
 use crate::Result;
 use crate::bvh::Accel;
+use crate::gpu::shaders;
 use crate::interface::{SAMPLER_INDEPENDENT, SAMPLER_SOBOL, SAMPLER_TABLE, SPEC_SAMPLER};
 use crate::scene::{Filter, Scene};
 use crate::settings::{Buffers, LightPick, Sampler, Settings};
@@ -20,6 +21,15 @@ pub fn pixel(index: u32, side: u32) -> u32 {
 /// A scene of nothing.
 pub fn nothing() -> Scene {
     SceneBuilder::new().finish(camera([0.0; 3], [0.0, 0.0, 1.0], 40.0), Some([1.0; 3]))
+}
+
+/// The kernel of the float functions, in the mode of `bench`'s renders: with NaN kept where the device offers that.
+pub fn float_probe(bench: &Bench) -> &'static [u32] {
+    if bench.context().device_info().shader_signed_zero_inf_nan_preserve_float32 {
+        shaders::PROBE_FLOATS_KEEP_NAN
+    } else {
+        shaders::PROBE_FLOATS
+    }
 }
 
 /// A call of many: function `function` of the kernel `spirv`.

@@ -2,7 +2,7 @@
 //!
 //! Comes in: which numbers. Goes out: their words, or findings about their means and correlations.
 
-use super::calls::{Calls, pixel};
+use super::calls::{Calls, float_probe, pixel};
 use super::statistics::Moments;
 use super::{Bench, Finding};
 use crate::Result;
@@ -39,7 +39,7 @@ pub fn scatter_of_means(bench: &Bench) -> Result<Vec<Finding>> {
     let input: Vec<Texel> = (0..pixels)
         .flat_map(|index| (0..MOST / PART).map(move |part| [pixel(index, 32), part * PART, PART, 0]))
         .collect();
-    let answers = Calls { output_texels: 2, ..Calls::new(shaders::PROBE_FLOATS, 4, &input) }.run(bench)?;
+    let answers = Calls { output_texels: 2, ..Calls::new(float_probe(bench), 4, &input) }.run(bench)?;
     let mut findings = Vec::new();
     for bits in [12, 16, 20] {
         let taken = (1 << bits) / PART as usize;
@@ -65,7 +65,7 @@ pub fn falling_variance(bench: &Bench) -> Result<Finding> {
     let parts = 131_072 / PART;
     let input: Vec<Texel> =
         (0..pixels).flat_map(|index| (0..parts).map(move |part| [pixel(index, 64), part * PART, PART, 0])).collect();
-    let answers = Calls { output_texels: 2, ..Calls::new(shaders::PROBE_FLOATS, 4, &input) }.run(bench)?;
+    let answers = Calls { output_texels: 2, ..Calls::new(float_probe(bench), 4, &input) }.run(bench)?;
     let (mut half, mut whole) = (Moments::default(), Moments::default());
     for pixel in answers.chunks_exact(2 * parts as usize) {
         let sum = |parts: &[Texel]| parts.iter().step_by(2).map(|answer| f64::from(answer[0])).sum::<f64>();

@@ -6,7 +6,7 @@ use crate::interface::FILTER_ENTRIES;
 use crate::render::{Guard, Rendered, Tuning};
 use crate::scene::{Filter, Scene};
 use crate::selftest::bench::plain_settings;
-use crate::selftest::calls::{Calls, pixel};
+use crate::selftest::calls::{Calls, float_probe, pixel};
 use crate::selftest::draws::falling_variance;
 use crate::selftest::faults::{SIDE, causes, emitter, spot_pixel, spotted_wall};
 use crate::selftest::furnaces::furnaces;
@@ -174,7 +174,7 @@ fn lesser_and_greater(bench: &Bench) -> Result<Vec<Finding>> {
     let values = [f32::NAN, 0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, denormal, 1.0, -2.5, f32::MAX, f32::MIN];
     let pairs: Vec<[f32; 2]> = values.iter().flat_map(|&a| values.map(|b| [a, b])).collect();
     let input: Vec<Texel> = pairs.iter().map(|[a, b]| [a.to_bits(), b.to_bits(), 0, 0]).collect();
-    let answers = Calls { output_texels: 2, ..Calls::new(shaders::PROBE_FLOATS, 0, &input) }.run(bench)?;
+    let answers = Calls { output_texels: 2, ..Calls::new(float_probe(bench), 0, &input) }.run(bench)?;
     let (mut own, mut plain, mut strange) = (0, 0, 0);
     // A device may take a denormal for 0, as an operand and as a result.
     let flushed = |value: f32| if value == denormal { 0.0 } else { value };
@@ -209,7 +209,7 @@ fn fused_or_not(bench: &Bench) -> Result<Vec<Finding>> {
     let mut factor = || (random.unit() + 1.0) * 2f32.powi(random.below(16) as i32 - 8);
     let pairs: Vec<[f32; 2]> = (0..65_536).map(|_| [factor(), factor()]).collect();
     let input: Vec<Texel> = pairs.iter().map(|[a, b]| [a.to_bits(), b.to_bits(), 0, 0]).collect();
-    let answers = Calls { output_texels: 2, ..Calls::new(shaders::PROBE_FLOATS, 1, &input) }.run(bench)?;
+    let answers = Calls { output_texels: 2, ..Calls::new(float_probe(bench), 1, &input) }.run(bench)?;
     let (mut fused, mut split, mut neither, mut dekker) = (0, 0, 0, 0);
     for (&[a, b], answer) in pairs.iter().zip(answers.as_chunks::<2>().0) {
         let product = a * b;
@@ -277,7 +277,7 @@ fn long_loops(bench: &Bench) -> Result<Vec<Finding>> {
 fn indices(bench: &Bench) -> Result<Vec<Finding>> {
     let ends = [0.0, 1.0 - 2f32.powi(-24), 1.0, f32::NAN, f32::INFINITY, -1.0, 1e20, f32::NEG_INFINITY];
     let input: Vec<Texel> = ends.iter().map(|u| [(u * (FILTER_ENTRIES - 1) as f32).to_bits(), 0, 0, 0]).collect();
-    let calls = Calls { output_texels: 2, filter: Filter::Gaussian, ..Calls::new(shaders::PROBE_FLOATS, 2, &input) };
+    let calls = Calls { output_texels: 2, filter: Filter::Gaussian, ..Calls::new(float_probe(bench), 2, &input) };
     let answers = calls.run(bench)?;
     let entries: Vec<u32> = answers.as_chunks::<2>().0.iter().map(|answer| answer[0][0]).collect();
     let outside = entries.iter().filter(|&&entry| entry > FILTER_ENTRIES - 2).count();

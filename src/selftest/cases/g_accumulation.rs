@@ -10,7 +10,7 @@ use crate::output::{Display, Tonemap};
 use crate::render::Guard;
 use crate::render::bounce_cap::cap_bias;
 use crate::selftest::bench::{Silent, plain_settings};
-use crate::selftest::calls::{Calls, pixel};
+use crate::selftest::calls::{Calls, float_probe, pixel};
 use crate::selftest::draws::{correlation, pairs, scatter_of_means, unit};
 use crate::selftest::finding::VERDICTS;
 use crate::selftest::furnaces::{furnace, mean, series};
@@ -196,7 +196,7 @@ fn partial_films(_bench: &Bench) -> Result<Vec<Finding>> {
 fn ends_of_the_unit_interval(bench: &Bench) -> Result<Vec<Finding>> {
     const PART: u32 = 4096;
     let input: Vec<Texel> = (0..(1 << 24) / PART).map(|part| [part * PART, PART, 0, 0]).collect();
-    let answers = Calls { output_texels: 2, ..Calls::new(shaders::PROBE_FLOATS, 3, &input) }.run(bench)?;
+    let answers = Calls { output_texels: 2, ..Calls::new(float_probe(bench), 3, &input) }.run(bench)?;
     let answers = || answers.iter().step_by(2);
     let largest = answers().map(|answer| f32::from_bits(answer[0])).fold(0.0, f32::max);
     let reach = answers().map(|answer| u64::from(answer[1])).sum::<u64>();
