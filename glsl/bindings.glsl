@@ -66,6 +66,8 @@ layout(push_constant) uniform Push {
     layout(offset = PUSH_SKY_R) float sky_r;                 // Radiance of the constant environment.
     layout(offset = PUSH_SKY_G) float sky_g;
     layout(offset = PUSH_SKY_B) float sky_b;
+    layout(offset = PUSH_LISTED) uint listed;                // Pixels that a dispatch goes on with.
+    layout(offset = PUSH_LEAVE_EIGHTHS) uint leave_eighths;  // Paths are left when fewer eighths of the lanes have work.
 } push;
 
 #endif

@@ -39,6 +39,11 @@ uint state_word(uint field, uint pixel) {
     return field * (push.tile_width * push.tile_height) + pixel;
 }
 
+// Place `at` of list 0 or 1 of pixels.
+uint list_word(uint list, uint at) {
+    return state_word(PATH_WORDS + STACK_ENTRIES * STACK_ENTRY_WORDS + list, at);
+}
+
 void store_vec3(uint field, uint pixel, vec3 v) {
     path_words[state_word(field, pixel)] = floatBitsToUint(v.x);
     path_words[state_word(field + 1u, pixel)] = floatBitsToUint(v.y);

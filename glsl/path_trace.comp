@@ -34,11 +34,10 @@ void test_next(inout Path path, Ray ray, bool shadow, inout Tally tally) {
     }
 }
 
-// Traces the path's ray until it is done, the budget is spent, or too few lanes still trace.
-void trace(inout Path path, inout Tally tally) {
+// Traces the path's ray until it is done, the budget is spent, or too few of the `entered` lanes still trace.
+void trace(inout Path path, uint entered, inout Tally tally) {
     Ray ray = make_ray(path.o, path.d);
     bool shadow = path.phase == PHASE_SHADOW;
-    uint entered = lanes_here();
     while (path.traversal.searching && tally.steps < push.budget) {
         if (node_is_due(path.traversal)) {
             visit_node(path.traversal, ray);
@@ -66,8 +65,10 @@ void trace(inout Path path, inout Tally tally) {
     }
 }
 
-// Rays and what comes between them, until the pixel's samples are done or the budget is.
+// Rays and what comes between them, until the pixel's samples are done or the budget is, or so few lanes have samples left that
+// their paths had better go on among others.
 void run_path(inout Path path, Camera camera, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
+    uint began = lanes_here();
     while (tally.steps + SHADING_STEPS < push.budget) {
         tally.steps++;
         if (!path.traversal.searching) {
@@ -76,13 +77,26 @@ void run_path(inout Path path, Camera camera, uvec2 pixel, inout uvec4 open_sum,
         if (path.phase == PHASE_FINISHED) {
             break;
         }
-        trace(path, tally);
+        uint unfinished = lanes_here();
+        if (unfinished * 8u < began * push.leave_eighths) {
+            break;
+        }
+        trace(path, unfinished, tally);
     }
 }
 
 void main() {
+    bool begins = (push.flags & DISPATCH_BEGINS_RUN) != 0u;
+    uint filled = (push.flags & DISPATCH_FILLS_FIRST_LIST) != 0u ? 0u : 1u;
     uvec2 place = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y + push.slice_row);
-    if (place.x >= push.tile_width || gl_GlobalInvocationID.y >= push.slice_rows || place.y >= push.tile_height) {
+    if (!begins) {
+        uint at = gl_GlobalInvocationID.y * LIST_ROW + gl_GlobalInvocationID.x;
+        if (at >= push.listed) {
+            return;
+        }
+        uint listed = path_words[list_word(1u - filled, at)];
+        place = uvec2(listed % push.tile_width, listed / push.tile_width);
+    } else if (place.x >= push.tile_width || gl_GlobalInvocationID.y >= push.slice_rows || place.y >= push.tile_height) {
         return;
     }
     uint tile_pixel = place.y * push.tile_width + place.x;
@@ -90,7 +104,7 @@ void main() {
 
     Path path;
     uvec4 open_sum;
-    if ((push.flags & DISPATCH_BEGINS_RUN) != 0u) {
+    if (begins) {
         path.phase = PHASE_CAMERA;
         path.extends = false;
         path.samples_done = 0u;
@@ -99,9 +113,6 @@ void main() {
         path.traversal = begin_traversal(no_hit(), vec3(0.0), vec3(0.0)); // nothing to search yet
         open_sum = push.first_sample % BLOCK_SAMPLES == 0u ? uvec4(0u) : open_sums[tile_pixel];
     } else {
-        if ((path_words[state_word(0u, tile_pixel)] & 3u) == PHASE_FINISHED) {
-            return;
-        }
         path = load_path(tile_pixel);
         open_sum = open_sums[tile_pixel];
     }
@@ -112,7 +123,7 @@ void main() {
     store_path(path, tile_pixel);
     open_sums[tile_pixel] = open_sum;
     if (path.phase != PHASE_FINISHED) {
-        atomicAdd(counters[COUNTER_UNFINISHED], 1u);
+        path_words[list_word(filled, atomicAdd(counters[COUNTER_UNFINISHED], 1u))] = tile_pixel;
     }
     atomicAdd(counters[COUNTER_RAYS], tally.rays);
     atomicAdd(counters[COUNTER_PATHS], tally.paths);

@@ -181,6 +181,11 @@ pub const CAUSES: u32 = 8;
 pub const PATH_WORDS: u32 = 38;
 /// Words of one entry of the traversal stack.
 pub const STACK_ENTRY_WORDS: u32 = 2;
+/// Words a pixel for two lists of pixels, which follow the stacks: a dispatch goes on with the pixels of one list and puts
+/// those that it leaves unfinished into the other.
+pub const LISTS: u32 = 2;
+/// A dispatch takes the pixels of a list in rows of this many invocations.
+pub const LIST_ROW: u32 = 64;
 
 // ---- Specialisation constants ---------------------------------------------------------------------------------------
 
@@ -286,6 +291,8 @@ pub const MIN_STEP_BUDGET: u32 = 64;
 
 /// Dispatch flag: the first dispatch of a run for these pixels; path states are begun, not read.
 pub const DISPATCH_BEGINS_RUN: u32 = 1;
+/// Flag: unfinished pixels go into the first list (a dispatch that goes on takes its own from the second), not the second.
+pub const DISPATCH_FILLS_FIRST_LIST: u32 = 2;
 
 // ---- Guards: what keeps the hard cases right; render/guard.rs --------------------------------------------------
 
@@ -386,9 +393,11 @@ pub const PUSH_CONSTANTS: &[(&str, u32)] = &[
     ("PUSH_SKY_R", 72),
     ("PUSH_SKY_G", 76),
     ("PUSH_SKY_B", 80),
+    ("PUSH_LISTED", 84),
+    ("PUSH_LEAVE_EIGHTHS", 88),
 ];
 /// Size of the push-constant block in bytes; Vulkan promises 128.
-pub const PUSH_CONSTANT_BYTES: u32 = 84;
+pub const PUSH_CONSTANT_BYTES: u32 = 92;
 
 /// Bits of the f32 2^32: a sample of larger radiance (in units of the brightest emission) is left out as infinite, so that
 /// a block sums to at most 2^36, which the film's fixed-point sums hold.
@@ -424,6 +433,7 @@ pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
     ("CAUSE_SKY", CAUSE_SKY), ("CAUSE_LIGHT", CAUSE_LIGHT), ("CAUSE_LAMBERT", CAUSE_LAMBERT),
     ("CAUSE_MIRROR", CAUSE_MIRROR), ("CAUSE_GLASS", CAUSE_GLASS),
     ("PATH_WORDS", PATH_WORDS), ("STACK_ENTRY_WORDS", STACK_ENTRY_WORDS),
+    ("LIST_ROW", LIST_ROW), ("DISPATCH_FILLS_FIRST_LIST", DISPATCH_FILLS_FIRST_LIST),
     ("SPEC_WORKGROUP_X", SPEC_WORKGROUP_X), ("SPEC_WORKGROUP_Y", SPEC_WORKGROUP_Y),
     ("SPEC_STORAGE_RECORDS", SPEC_STORAGE_RECORDS), ("SPEC_ACCEL", SPEC_ACCEL),
     ("SPEC_STACK_ENTRIES", SPEC_STACK_ENTRIES), ("SPEC_INTERSECTOR", SPEC_INTERSECTOR), ("SPEC_SAMPLER", SPEC_SAMPLER),

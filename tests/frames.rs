@@ -67,6 +67,30 @@ fn refill_thresholds_do_not_show() {
     }
 }
 
+/// Pixels that are left for another dispatch go on among other neighbours, in whatever order they were listed: nothing of it shows,
+/// alone and together with budgets that leave paths anywhere.
+#[test]
+fn lists_of_pixels_do_not_show() {
+    // More pixels than are worth another dispatch, in rows that the workgroups do not divide.
+    let (scene, settings) = small("cornell-glass", [61, 45], 4);
+    let picture = |leave, budget| {
+        let tuning = Tuning { leave_eighths: Some(leave), budget, ..Tuning::default() };
+        render_tuned(&scene, &settings, &tuning)
+    };
+    let reference = picture(0, None);
+    for (leave, budget) in [(3, None), (5, None), (8, None), (0, Some(64)), (5, Some(64)), (5, Some(200))] {
+        let listed = picture(leave, budget);
+        let what = format!("left below {leave} eighths, budget {budget:?}");
+        assert_same(&bits(&reference), &bits(&listed), &what);
+        assert_eq!(
+            (reference.report.rays, reference.report.paths),
+            (listed.report.rays, listed.report.paths),
+            "{what}"
+        );
+        assert!(listed.ledger.bytes_down() > reference.ledger.bytes_down(), "{what}: no dispatch more");
+    }
+}
+
 /// Triangles that wait for the next visit are tested in another order: the same hits, under every budget and in every tree.
 #[test]
 fn queues_of_triangles_do_not_show() {

@@ -17,7 +17,7 @@ use crate::interface::*;
 use crate::render::Rendered;
 use crate::render::effects::Effects;
 use crate::render::ending::EstimateClock;
-use crate::render::kernel::{Constants, Dispatch};
+use crate::render::kernel::{Constants, Dispatch, Work};
 use crate::render::pace::{Pace, RunLength};
 use crate::render::report::{Bytes, Observer, Progress, RenderReport, StopReason};
 use crate::render::stop::{Forecast, Looks, StopRules};
@@ -42,6 +42,8 @@ pub struct Renderer {
     pub(super) readbacks: [Readback; 2],
     pub(super) counter_readback: Readback,
     pub(super) pace: Pace,
+    /// See [`Dispatch::leave_eighths`].
+    pub(super) leave_eighths: u32,
     pub(super) run_length: RunLength,
     pub(super) film: Film,
     /// What came back of the run so far, `[sum.rgb, count]` a pixel of the region.
@@ -134,10 +136,10 @@ impl Renderer {
                 let rows = self.pace.rows.min(countable).min(tile.height - row);
                 let mut dispatch = Dispatch {
                     tile,
-                    rows: [row, rows],
+                    work: Work::Rows { first: row, count: rows },
                     samples: [first, samples],
                     budget: self.pace.budget,
-                    begins_run: true,
+                    leave_eighths: self.leave_eighths,
                 };
                 let slice_start = Instant::now();
                 loop {
@@ -146,7 +148,7 @@ impl Renderer {
                         self.absorb(tile)?;
                     }
                     let unfinished = self.finish(frame, dispatch.budget)?;
-                    if dispatch.begins_run {
+                    if matches!(dispatch.work, Work::Rows { .. }) {
                         self.pace.note(rows, tile.height, slice_start.elapsed());
                     }
                     if unfinished == 0 {
@@ -155,7 +157,7 @@ impl Renderer {
                     if first > 0 && self.is_given_up(observer) {
                         return Ok(false);
                     }
-                    dispatch.begins_run = false;
+                    dispatch.go_on(unfinished);
                     dispatch.budget = self.pace.budget;
                 }
                 row += rows;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::bvh::{Accel, TreeStats};
 use crate::error::Result;
 use crate::film::{block_in_replicate, replicate_of_block};
-use crate::gpu::{BindingKind, BindingSlot, ComputePipeline, Context, PipelineDesc, shaders};
+use crate::gpu::{BindingKind, BindingSlot, ComputePipeline, Context, DeviceKind, PipelineDesc, shaders};
 use crate::interface::*;
 use crate::render::Tuning;
 use crate::render::effects::Effects;
@@ -15,6 +15,18 @@ use crate::settings::{AccelKind, Buffers, Hemisphere, Intersector, LightPick, Li
 
 /// Workgroup of 8 x 8 pixels: neighbours trace alike, and no shape was faster on lavapipe.
 pub const WORKGROUP: [u32; 2] = [8, 8];
+
+/// When lanes are left for the next dispatch by default: a CPU's dispatches are long, and at their ends most lanes of a vector wait for
+/// the last (docs/performance.md). A GPU hides that behind other subgroups, and a dispatch more costs it a wait for the host.
+pub fn leave_eighths(device: DeviceKind) -> u32 {
+    match device {
+        DeviceKind::Cpu => 5,
+        _ => 0,
+    }
+}
+
+/// Fewer pixels than this are not worth another dispatch.
+const FEW_PIXELS: u32 = 512;
 
 /// Every binding of the path tracer's descriptor set.
 pub fn bindings() -> Vec<BindingSlot> {
@@ -108,20 +120,62 @@ pub fn path_tracer(context: &Context, kernel: &Specialized) -> Result<Arc<Comput
 pub struct Dispatch {
     /// The tile on the device.
     pub tile: Tile,
-    /// First row of the tile that the dispatch works on, and how many.
-    pub rows: [u32; 2],
+    /// The pixels that the dispatch works on.
+    pub work: Work,
     /// First sample index of the run, and how many.
     pub samples: [u32; 2],
     /// Step budget.
     pub budget: u32,
-    /// Whether it begins the run for these pixels.
-    pub begins_run: bool,
+    /// Paths are left unfinished when fewer eighths of a subgroup's lanes than this have samples left; 0: never.
+    pub leave_eighths: u32,
+}
+
+/// Pixels of a dispatch.
+#[derive(Clone, Copy, Debug)]
+pub enum Work {
+    /// The run begins for `count` rows of the tile from `first` on.
+    Rows {
+        /// First row.
+        first: u32,
+        /// Number of rows.
+        count: u32,
+    },
+    /// It goes on for the pixels that the last dispatch left unfinished, wherever they are.
+    Listed {
+        /// How many.
+        count: u32,
+        /// Which of the two lists they are in.
+        list: u32,
+    },
 }
 
 impl Dispatch {
-    /// Workgroups that cover the rows.
+    /// Workgroups that cover the pixels.
     pub fn groups(&self) -> [u32; 3] {
-        [self.tile.width.div_ceil(WORKGROUP[0]), self.rows[1].div_ceil(WORKGROUP[1]), 1]
+        match self.work {
+            Work::Rows { count, .. } => [self.tile.width.div_ceil(WORKGROUP[0]), count.div_ceil(WORKGROUP[1]), 1],
+            Work::Listed { count, .. } => [LIST_ROW / WORKGROUP[0], count.div_ceil(LIST_ROW * WORKGROUP[1]), 1],
+        }
+    }
+
+    /// Goes on with the `unfinished` pixels that this dispatch has left, to their ends if they are few.
+    pub fn go_on(&mut self, unfinished: u32) {
+        let list = match self.work {
+            Work::Rows { .. } => 0,
+            Work::Listed { list, .. } => 1 - list,
+        };
+        self.work = Work::Listed { count: unfinished, list };
+        if unfinished < FEW_PIXELS {
+            self.leave_eighths = 0;
+        }
+    }
+
+    fn flags(&self) -> u32 {
+        match self.work {
+            Work::Rows { .. } => DISPATCH_BEGINS_RUN | DISPATCH_FILLS_FIRST_LIST,
+            Work::Listed { list: 0, .. } => 0,
+            Work::Listed { .. } => DISPATCH_FILLS_FIRST_LIST,
+        }
     }
 }
 
@@ -148,6 +202,10 @@ impl Constants {
     /// The push-constant block of a dispatch, in the layout of `interface::PUSH_CONSTANTS`.
     pub fn push(&self, dispatch: &Dispatch) -> [u8; PUSH_CONSTANT_BYTES as usize] {
         let tile = dispatch.tile;
+        let ([first_row, rows], listed) = match dispatch.work {
+            Work::Rows { first, count } => ([first, count], 0),
+            Work::Listed { count, .. } => ([0, 0], count),
+        };
         // A run never crosses a block's end, so all of it belongs to one replicate.
         let block = dispatch.samples[0] / BLOCK_SAMPLES;
         let words = [
@@ -155,12 +213,12 @@ impl Constants {
             tile.y,
             tile.width,
             tile.height,
-            dispatch.rows[0],
-            dispatch.rows[1],
+            first_row,
+            rows,
             dispatch.samples[0],
             dispatch.samples[1],
             dispatch.budget,
-            if dispatch.begins_run { DISPATCH_BEGINS_RUN } else { 0 },
+            dispatch.flags(),
             self.triangles,
             self.lights,
             self.max_bounces,
@@ -172,6 +230,8 @@ impl Constants {
             self.sky[0].to_bits(),
             self.sky[1].to_bits(),
             self.sky[2].to_bits(),
+            listed,
+            dispatch.leave_eighths,
         ];
         bytemuck::must_cast(words)
     }

@@ -95,6 +95,7 @@ impl Renderer {
             sums,
             counters,
             pace: Pace::new(context.device_info().kind == DeviceKind::Cpu, tuning.budget),
+            leave_eighths: tuning.leave_eighths.unwrap_or(kernel::leave_eighths(context.device_info().kind)),
             run_length: RunLength::new(tuning.run_samples),
             film,
             run_sums: vec![[0; 4]; region_pixels],

@@ -5,7 +5,7 @@
 //! depend on how it is cut.
 
 use crate::error::{Error, Result};
-use crate::interface::{PATH_WORDS, STACK_ENTRY_WORDS};
+use crate::interface::{LISTS, PATH_WORDS, STACK_ENTRY_WORDS};
 
 /// A rectangle of pixels of the whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,9 +27,9 @@ impl Tile {
     }
 }
 
-/// Bytes of a pixel's path state with a traversal stack of `stack_entries`.
+/// Bytes of a pixel's path state with a traversal stack of `stack_entries`, and of its places in the lists of pixels.
 pub fn path_bytes(stack_entries: u32) -> u64 {
-    4 * u64::from(PATH_WORDS + STACK_ENTRY_WORDS * stack_entries)
+    4 * u64::from(PATH_WORDS + STACK_ENTRY_WORDS * stack_entries + LISTS)
 }
 
 /// Bytes of a pixel's open sum.

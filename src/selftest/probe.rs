@@ -8,7 +8,7 @@ use crate::gpu::{
 };
 use crate::interface::*;
 use crate::render::guard::Guard;
-use crate::render::kernel::{self, Constants, Dispatch};
+use crate::render::kernel::{self, Constants, Dispatch, Work};
 use crate::render::tiles::Tile;
 use crate::render::upload::{GpuScene, fits_texel_buffers};
 use crate::settings::Buffers;
@@ -112,10 +112,10 @@ impl Probe<'_> {
         };
         let mut push = constants.push(&Dispatch {
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
-            rows: [0, 1],
+            work: Work::Rows { first: 0, count: 1 },
             samples: [self.first_sample, self.calls],
             budget: MAX_STEP_BUDGET,
-            begins_run: false,
+            leave_eighths: 0,
         });
         for &(_, offset) in PUSH_CONSTANTS.iter().filter(|(name, _)| *name == "PUSH_FLAGS") {
             push[offset as usize..][..4].copy_from_slice(&self.function.to_ne_bytes());
