@@ -66,7 +66,9 @@ layout(push_constant) uniform Push {
     layout(offset = PUSH_SKY_R) float sky_r;                 // Radiance of the constant environment.
     layout(offset = PUSH_SKY_G) float sky_g;
     layout(offset = PUSH_SKY_B) float sky_b;
-    layout(offset = PUSH_LISTED) uint listed;                // Pixels that a dispatch goes on with.
+    layout(offset = PUSH_LISTED_FIRST) uint listed_first;    // A dispatch that goes on takes a list's pixels from here on,
+    layout(offset = PUSH_LISTED) uint listed;                // and so many of them.
+    layout(offset = PUSH_FILLED) uint filled;                // Pixels that the other list has already.
     layout(offset = PUSH_LEAVE_EIGHTHS) uint leave_eighths;  // Paths are left when fewer eighths of the lanes have work.
 } push;
 

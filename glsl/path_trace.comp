@@ -87,14 +87,14 @@ void run_path(inout Path path, Camera camera, uvec2 pixel, inout uvec4 open_sum,
 
 void main() {
     bool begins = (push.flags & DISPATCH_BEGINS_RUN) != 0u;
-    uint filled = (push.flags & DISPATCH_FILLS_FIRST_LIST) != 0u ? 0u : 1u;
+    uint fills = (push.flags & DISPATCH_FILLS_FIRST_LIST) != 0u ? 0u : 1u;
     uvec2 place = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y + push.slice_row);
     if (!begins) {
         uint at = gl_GlobalInvocationID.y * LIST_ROW + gl_GlobalInvocationID.x;
         if (at >= push.listed) {
             return;
         }
-        uint listed = path_words[list_word(1u - filled, at)];
+        uint listed = path_words[list_word(1u - fills, push.listed_first + at)];
         place = uvec2(listed % push.tile_width, listed / push.tile_width);
     } else if (place.x >= push.tile_width || gl_GlobalInvocationID.y >= push.slice_rows || place.y >= push.tile_height) {
         return;
@@ -123,7 +123,7 @@ void main() {
     store_path(path, tile_pixel);
     open_sums[tile_pixel] = open_sum;
     if (path.phase != PHASE_FINISHED) {
-        path_words[list_word(filled, atomicAdd(counters[COUNTER_UNFINISHED], 1u))] = tile_pixel;
+        path_words[list_word(fills, push.filled + atomicAdd(counters[COUNTER_UNFINISHED], 1u))] = tile_pixel;
     }
     atomicAdd(counters[COUNTER_RAYS], tally.rays);
     atomicAdd(counters[COUNTER_PATHS], tally.paths);

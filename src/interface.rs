@@ -393,11 +393,13 @@ pub const PUSH_CONSTANTS: &[(&str, u32)] = &[
     ("PUSH_SKY_R", 72),
     ("PUSH_SKY_G", 76),
     ("PUSH_SKY_B", 80),
-    ("PUSH_LISTED", 84),
-    ("PUSH_LEAVE_EIGHTHS", 88),
+    ("PUSH_LISTED_FIRST", 84),
+    ("PUSH_LISTED", 88),
+    ("PUSH_FILLED", 92),
+    ("PUSH_LEAVE_EIGHTHS", 96),
 ];
 /// Size of the push-constant block in bytes; Vulkan promises 128.
-pub const PUSH_CONSTANT_BYTES: u32 = 92;
+pub const PUSH_CONSTANT_BYTES: u32 = 100;
 
 /// Bits of the f32 2^32: a sample of larger radiance (in units of the brightest emission) is left out as infinite, so that
 /// a block sums to at most 2^36, which the film's fixed-point sums hold.

@@ -73,8 +73,9 @@ fn refill_thresholds_do_not_show() {
 fn lists_of_pixels_do_not_show() {
     // More pixels than are worth another dispatch, in rows that the workgroups do not divide.
     let (scene, settings) = small("cornell-glass", [61, 45], 4);
+    // Slices of eight rows, and of 512 listed pixels.
     let picture = |leave, budget| {
-        let tuning = Tuning { leave_eighths: Some(leave), budget, ..Tuning::default() };
+        let tuning = Tuning { leave_eighths: Some(leave), budget, slice_pixels: Some(512), ..Tuning::default() };
         render_tuned(&scene, &settings, &tuning)
     };
     let reference = picture(0, None);

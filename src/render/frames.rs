@@ -1,7 +1,7 @@
 //! Stage 5: the frame loop.
 //!
-//! A run takes every pixel of the region through the same samples: tile by tile, and in a tile slice by slice, each
-//! dispatched until no path is left unfinished. A tile's open sums come back in a copy that overlaps the next tile's first
+//! A run takes every pixel of the region through the same samples: tile by tile, and in a tile pass by pass (pass.rs),
+//! until no path is left unfinished. A tile's open sums come back in a copy that overlaps the next tile's first
 //! dispatch; when the run is whole they enter the film, as a closed block or as the open one. So every run boundary is a valid
 //! place to stop, and what a pixel computes depends on none of these sizes.
 
@@ -17,8 +17,9 @@ use crate::interface::*;
 use crate::render::Rendered;
 use crate::render::effects::Effects;
 use crate::render::ending::EstimateClock;
-use crate::render::kernel::{Constants, Dispatch, Work};
+use crate::render::kernel::{Constants, Dispatch};
 use crate::render::pace::{Pace, RunLength};
+use crate::render::pass::{Pass, Slice};
 use crate::render::report::{Bytes, Observer, Progress, RenderReport, StopReason};
 use crate::render::stop::{Forecast, Looks, StopRules};
 use crate::render::tiles::{SUM_BYTES, Tile};
@@ -44,6 +45,7 @@ pub struct Renderer {
     pub(super) pace: Pace,
     /// See [`Dispatch::leave_eighths`].
     pub(super) leave_eighths: u32,
+    pub(super) slice_pixels: Option<u32>,
     pub(super) run_length: RunLength,
     pub(super) film: Film,
     /// What came back of the run so far, `[sum.rgb, count]` a pixel of the region.
@@ -96,7 +98,7 @@ impl Renderer {
             self.report.seconds_per_sample = run_start.elapsed().as_secs_f64() / f64::from(samples);
             self.estimate_error(start.elapsed());
             let met = self.look(done, start.elapsed());
-            self.tell(done, 0, start, observer);
+            self.tell(done, start, observer);
             if met {
                 self.report.stop_reason = StopReason::TargetError;
                 break;
@@ -122,51 +124,42 @@ impl Renderer {
     /// One run over all tiles; false where it was given up. The first run always ends: it is the first picture.
     fn run(&mut self, first: u32, samples: u32, start: Instant, observer: &mut dyn Observer) -> Result<bool> {
         let mut pending: Option<PendingTile> = None;
-        let mut pixels_done = 0;
         self.pace.begin_run(samples);
         for index in 0..self.tiles.len() {
             let tile = self.tiles[index];
             if self.tiles.len() > 1 && !first.is_multiple_of(BLOCK_SAMPLES) {
                 self.upload_open_sums(tile)?;
             }
-            let mut row = 0;
-            while row < tile.height {
-                // A dispatch's counts fit their 32 bits.
-                let countable = (u32::MAX / self.pace.budget / tile.width).max(1);
-                let rows = self.pace.rows.min(countable).min(tile.height - row);
-                let mut dispatch = Dispatch {
-                    tile,
-                    work: Work::Rows { first: row, count: rows },
-                    samples: [first, samples],
-                    budget: self.pace.budget,
-                    leave_eighths: self.leave_eighths,
-                };
-                let slice_start = Instant::now();
-                loop {
+            let last_tile = index + 1 == self.tiles.len();
+            let mut next = Some(Pass::over(tile));
+            while let Some(mut pass) = next {
+                while let Some(slice) = pass.next_slice(self.slice_pixels(&pass, tile)) {
+                    let dispatch = Dispatch {
+                        tile,
+                        slice,
+                        fills: pass.fills(),
+                        samples: [first, samples],
+                        budget: self.pace.budget,
+                        leave_eighths: pass.leave_eighths(self.leave_eighths),
+                    };
+                    let start_of_slice = Instant::now();
                     let frame = self.submit(&dispatch)?;
                     if let Some(tile) = pending.take() {
                         self.absorb(tile)?;
                     }
-                    let unfinished = self.finish(frame, dispatch.budget)?;
-                    if matches!(dispatch.work, Work::Rows { .. }) {
-                        self.pace.note(rows, tile.height, slice_start.elapsed());
+                    pass.note(self.finish(frame, dispatch.budget)?);
+                    match slice {
+                        Slice::Rows { count, .. } => self.pace.note(count, tile.height, start_of_slice.elapsed()),
+                        Slice::Listed { count, .. } => self.pace.note_listed(count, start_of_slice.elapsed()),
                     }
-                    if unfinished == 0 {
-                        break;
-                    }
-                    if first > 0 && self.is_given_up(observer) {
+                    self.tell(first, start, observer);
+                    // What the run has already paid for in full is kept.
+                    let whole = last_tile && pass.is_last();
+                    if first > 0 && !whole && self.is_given_up(observer) {
                         return Ok(false);
                     }
-                    dispatch.go_on(unfinished);
-                    dispatch.budget = self.pace.budget;
                 }
-                row += rows;
-                pixels_done += u64::from(rows) * u64::from(tile.width);
-                self.tell(first, pixels_done * u64::from(samples), start, observer);
-                // What the run has already paid for in full is kept.
-                if first > 0 && pixels_done < self.film.pixels() as u64 && self.is_given_up(observer) {
-                    return Ok(false);
-                }
+                next = pass.next();
             }
             pending = Some(self.copy_sums(tile, index % 2)?);
         }
@@ -174,6 +167,12 @@ impl Renderer {
             self.absorb(tile)?;
         }
         Ok(true)
+    }
+
+    /// Pixels of the next slice of a pass. The counts of its dispatch fit their 32 bits.
+    fn slice_pixels(&self, pass: &Pass, tile: Tile) -> u32 {
+        let by_clock = if pass.is_listed() { self.pace.listed } else { self.pace.rows.saturating_mul(tile.width) };
+        self.slice_pixels.unwrap_or(by_clock).min(u32::MAX / self.pace.budget)
     }
 
     /// Records and submits one dispatch, its counters cleared before and copied after.
@@ -287,19 +286,18 @@ impl Renderer {
         }
     }
 
-    fn tell(&self, spp_done: u32, extra_samples: u64, start: Instant, observer: &mut dyn Observer) {
+    fn tell(&self, spp_done: u32, start: Instant, observer: &mut dyn Observer) {
         let pixels = self.film.pixels() as f64;
         let forecast = self.forecasts.map(|(_, last)| last);
         let spp_target =
             forecast.map_or(u64::from(u32::MAX), |forecast| forecast.spp).min(u64::from(self.settings.spp)) as u32;
+        let paths_of_run = self.run_counts[COUNTER_PATHS as usize];
         let all = pixels * f64::from(spp_target);
         observer.progress(&Progress {
             spp_done,
             spp_target,
-            fraction: ((pixels * f64::from(spp_done) + extra_samples as f64) / all)
-                .max(self.time_share(start))
-                .min(1.0),
-            paths: self.report.paths + self.run_counts[COUNTER_PATHS as usize],
+            fraction: ((pixels * f64::from(spp_done) + paths_of_run as f64) / all).max(self.time_share(start)).min(1.0),
+            paths: self.report.paths + paths_of_run,
             seconds: start.elapsed().as_secs_f64(),
             relative_rmse: self.report.relative_rmse,
             target: self.rules.target.map(|target| (target, forecast)),

@@ -10,13 +10,14 @@ use crate::interface::*;
 use crate::render::Tuning;
 use crate::render::effects::Effects;
 use crate::render::guard::Guard;
+use crate::render::pass::{Place, Slice};
 use crate::render::tiles::Tile;
 use crate::settings::{AccelKind, Buffers, Hemisphere, Intersector, LightPick, Lights, Roulette, Sampler, Settings};
 
 /// Workgroup of 8 x 8 pixels: neighbours trace alike, and no shape was faster on lavapipe.
 pub const WORKGROUP: [u32; 2] = [8, 8];
 
-/// When lanes are left for the next dispatch by default: a CPU's dispatches are long, and at their ends most lanes of a vector wait for
+/// When lanes are left for the next pass by default: a CPU's dispatches are long, and at their ends most lanes of a vector wait for
 /// the last (docs/performance.md). A GPU hides that behind other subgroups, and a dispatch more costs it a wait for the host.
 pub fn leave_eighths(device: DeviceKind) -> u32 {
     match device {
@@ -24,9 +25,6 @@ pub fn leave_eighths(device: DeviceKind) -> u32 {
         _ => 0,
     }
 }
-
-/// Fewer pixels than this are not worth another dispatch.
-const FEW_PIXELS: u32 = 512;
 
 /// Every binding of the path tracer's descriptor set.
 pub fn bindings() -> Vec<BindingSlot> {
@@ -121,7 +119,9 @@ pub struct Dispatch {
     /// The tile on the device.
     pub tile: Tile,
     /// The pixels that the dispatch works on.
-    pub work: Work,
+    pub slice: Slice,
+    /// Where unfinished pixels are listed; a dispatch that goes on takes its own from the other list.
+    pub fills: Place,
     /// First sample index of the run, and how many.
     pub samples: [u32; 2],
     /// Step budget.
@@ -130,52 +130,21 @@ pub struct Dispatch {
     pub leave_eighths: u32,
 }
 
-/// Pixels of a dispatch.
-#[derive(Clone, Copy, Debug)]
-pub enum Work {
-    /// The run begins for `count` rows of the tile from `first` on.
-    Rows {
-        /// First row.
-        first: u32,
-        /// Number of rows.
-        count: u32,
-    },
-    /// It goes on for the pixels that the last dispatch left unfinished, wherever they are.
-    Listed {
-        /// How many.
-        count: u32,
-        /// Which of the two lists they are in.
-        list: u32,
-    },
-}
-
 impl Dispatch {
     /// Workgroups that cover the pixels.
     pub fn groups(&self) -> [u32; 3] {
-        match self.work {
-            Work::Rows { count, .. } => [self.tile.width.div_ceil(WORKGROUP[0]), count.div_ceil(WORKGROUP[1]), 1],
-            Work::Listed { count, .. } => [LIST_ROW / WORKGROUP[0], count.div_ceil(LIST_ROW * WORKGROUP[1]), 1],
-        }
-    }
-
-    /// Goes on with the `unfinished` pixels that this dispatch has left, to their ends if they are few.
-    pub fn go_on(&mut self, unfinished: u32) {
-        let list = match self.work {
-            Work::Rows { .. } => 0,
-            Work::Listed { list, .. } => 1 - list,
-        };
-        self.work = Work::Listed { count: unfinished, list };
-        if unfinished < FEW_PIXELS {
-            self.leave_eighths = 0;
+        match self.slice {
+            Slice::Rows { count, .. } => [self.tile.width.div_ceil(WORKGROUP[0]), count.div_ceil(WORKGROUP[1]), 1],
+            Slice::Listed { count, .. } => [LIST_ROW / WORKGROUP[0], count.div_ceil(LIST_ROW * WORKGROUP[1]), 1],
         }
     }
 
     fn flags(&self) -> u32 {
-        match self.work {
-            Work::Rows { .. } => DISPATCH_BEGINS_RUN | DISPATCH_FILLS_FIRST_LIST,
-            Work::Listed { list: 0, .. } => 0,
-            Work::Listed { .. } => DISPATCH_FILLS_FIRST_LIST,
-        }
+        let begins = match self.slice {
+            Slice::Rows { .. } => DISPATCH_BEGINS_RUN,
+            Slice::Listed { .. } => 0,
+        };
+        begins | if self.fills.list == 0 { DISPATCH_FILLS_FIRST_LIST } else { 0 }
     }
 }
 
@@ -202,9 +171,9 @@ impl Constants {
     /// The push-constant block of a dispatch, in the layout of `interface::PUSH_CONSTANTS`.
     pub fn push(&self, dispatch: &Dispatch) -> [u8; PUSH_CONSTANT_BYTES as usize] {
         let tile = dispatch.tile;
-        let ([first_row, rows], listed) = match dispatch.work {
-            Work::Rows { first, count } => ([first, count], 0),
-            Work::Listed { count, .. } => ([0, 0], count),
+        let (rows, listed) = match dispatch.slice {
+            Slice::Rows { first, count } => ([first, count], [0, 0]),
+            Slice::Listed { first, count } => ([0, 0], [first, count]),
         };
         // A run never crosses a block's end, so all of it belongs to one replicate.
         let block = dispatch.samples[0] / BLOCK_SAMPLES;
@@ -213,8 +182,8 @@ impl Constants {
             tile.y,
             tile.width,
             tile.height,
-            first_row,
-            rows,
+            rows[0],
+            rows[1],
             dispatch.samples[0],
             dispatch.samples[1],
             dispatch.budget,
@@ -230,7 +199,9 @@ impl Constants {
             self.sky[0].to_bits(),
             self.sky[1].to_bits(),
             self.sky[2].to_bits(),
-            listed,
+            listed[0],
+            listed[1],
+            dispatch.fills.at,
             dispatch.leave_eighths,
         ];
         bytemuck::must_cast(words)

@@ -10,6 +10,7 @@ pub mod frames;
 pub mod guard;
 pub mod kernel;
 pub mod pace;
+pub mod pass;
 pub mod report;
 mod setup;
 pub mod stop;
@@ -56,7 +57,9 @@ pub struct Tuning {
     pub run_samples: Option<u32>,
     /// Lanes refill when fewer than this many eighths of them still trace, 0 to 8.
     pub refill_eighths: Option<u32>,
-    /// Paths are left for the next dispatch when fewer than this many eighths of the lanes have samples left, 0 to 8.
+    /// Pixels of a submit (render/pass.rs rounds them); otherwise by the clock.
+    pub slice_pixels: Option<u32>,
+    /// Paths are left for the next pass when fewer than this many eighths of the lanes have samples left, 0 to 8.
     pub leave_eighths: Option<u32>,
     /// Triangles tested between two node visits, 1 or 2, or 0 for all of them; otherwise by the tree.
     pub tests_a_visit: Option<u32>,

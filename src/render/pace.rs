@@ -12,6 +12,8 @@ use crate::interface::{BLOCK_SAMPLES, CPU_STEP_BUDGET, MAX_STEP_BUDGET, MIN_STEP
 pub struct Pace {
     /// Rows of the tile that a submit works on.
     pub rows: u32,
+    /// Pixels that a submit works on where a list has them.
+    pub listed: u32,
     /// Steps that an invocation may take in a submit.
     pub budget: u32,
     target: Duration,
@@ -26,6 +28,7 @@ impl Pace {
     pub fn new(is_cpu: bool, fixed_budget: Option<u32>) -> Pace {
         Pace {
             rows: if is_cpu { 16 } else { 32 },
+            listed: if is_cpu { 1 << 13 } else { 1 << 16 },
             budget: fixed_budget.unwrap_or(if is_cpu { CPU_STEP_BUDGET } else { MIN_STEP_BUDGET }),
             target: Duration::from_millis(if is_cpu { 250 } else { 50 }),
             adapts_budget: !is_cpu && fixed_budget.is_none(),
@@ -36,12 +39,24 @@ impl Pace {
     /// Prepares for a run of `samples` samples: where a submit does all of its rows' samples, fewer rows take as long.
     pub fn begin_run(&mut self, samples: u32) {
         if !self.adapts_budget {
-            self.rows = (u64::from(self.rows) * u64::from(self.samples) / u64::from(samples)).clamp(1, 1 << 30) as u32;
+            let scaled =
+                |size: u32| (u64::from(size) * u64::from(self.samples) / u64::from(samples)).clamp(1, 1 << 30) as u32;
+            (self.rows, self.listed) = (scaled(self.rows), scaled(self.listed));
         }
         self.samples = samples;
     }
 
-    /// Takes note that a slice of `rows`, in a tile of `height`, took `elapsed` in its first submit.
+    /// Takes note that a submit of `pixels` listed pixels took `elapsed`.
+    pub fn note_listed(&mut self, pixels: u32, elapsed: Duration) {
+        let ratio = elapsed.as_secs_f64() / self.target.as_secs_f64();
+        if ratio > 1.5 {
+            self.listed = (pixels / 2).max(1);
+        } else if ratio < 0.6 && pixels > self.listed / 2 {
+            self.listed = self.listed.saturating_mul(2);
+        }
+    }
+
+    /// Takes note that a submit of `rows`, in a tile of `height`, took `elapsed`.
     pub fn note(&mut self, rows: u32, height: u32, elapsed: Duration) {
         let ratio = elapsed.as_secs_f64() / self.target.as_secs_f64();
         if ratio > 1.5 {
@@ -136,7 +151,7 @@ mod tests {
         let mut pace = Pace::new(true, None);
         pace.rows = 320;
         pace.begin_run(16);
-        assert_eq!(pace.rows, 20);
+        assert_eq!((pace.rows, pace.listed), (20, 512));
         pace.begin_run(1);
         assert_eq!(pace.rows, 320);
         let mut pace = Pace::new(false, None);
@@ -155,5 +170,11 @@ mod tests {
             pace.note(100, 100, Duration::from_secs(1));
         }
         assert_eq!((pace.budget, pace.rows), (MIN_STEP_BUDGET, 50));
+        pace.note_listed(1000, Duration::from_millis(1)); // The list's end: no reason to take more.
+        assert_eq!(pace.listed, 1 << 16);
+        pace.note_listed(1 << 16, Duration::from_millis(1));
+        assert_eq!(pace.listed, 1 << 17);
+        pace.note_listed(1000, Duration::from_secs(1));
+        assert_eq!(pace.listed, 500);
     }
 }

@@ -96,6 +96,7 @@ impl Renderer {
             counters,
             pace: Pace::new(context.device_info().kind == DeviceKind::Cpu, tuning.budget),
             leave_eighths: tuning.leave_eighths.unwrap_or(kernel::leave_eighths(context.device_info().kind)),
+            slice_pixels: tuning.slice_pixels,
             run_length: RunLength::new(tuning.run_samples),
             film,
             run_sums: vec![[0; 4]; region_pixels],

@@ -8,7 +8,8 @@ use crate::gpu::{
 };
 use crate::interface::*;
 use crate::render::guard::Guard;
-use crate::render::kernel::{self, Constants, Dispatch, Work};
+use crate::render::kernel::{self, Constants, Dispatch};
+use crate::render::pass::{Place, Slice};
 use crate::render::tiles::Tile;
 use crate::render::upload::{GpuScene, fits_texel_buffers};
 use crate::settings::Buffers;
@@ -112,7 +113,8 @@ impl Probe<'_> {
         };
         let mut push = constants.push(&Dispatch {
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
-            work: Work::Rows { first: 0, count: 1 },
+            slice: Slice::Rows { first: 0, count: 1 },
+            fills: Place { list: 0, at: 0 },
             samples: [self.first_sample, self.calls],
             budget: MAX_STEP_BUDGET,
             leave_eighths: 0,
