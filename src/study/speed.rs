@@ -39,7 +39,7 @@ pub struct Scale {
     pub error_seeds: u32,
     /// Samples of the reference.
     pub reference_spp: u32,
-    /// Samples of a peer's timed render.
+    /// Samples of a peer's timed render, and the fewest of our own.
     pub peer_spp: u32,
 }
 

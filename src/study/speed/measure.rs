@@ -67,7 +67,8 @@ impl Bench {
         subject.render(settings, &Tuning::default(), watch)
     }
 
-    /// Samples that take the wanted time. The first call compiles, and times a second render.
+    /// Samples that take the wanted time, and those of a peer at least: short runs are slower, and a picture of fewer samples is another
+    /// task. The first call compiles, and times a second render.
     fn timed_spp(&mut self, subject: &Subject, case: Case, watch: &dyn Watch) -> Result<Option<u32>> {
         if let Some(&(_, spp)) = self.timed_spp.iter().find(|timed| timed.0 == case) {
             return Ok(Some(spp));
@@ -78,7 +79,7 @@ impl Bench {
             return Ok(None);
         };
         let wanted = self.scale.seconds * 2.0 / warm.report.seconds.render.max(1e-3);
-        let spp = (wanted.round() as u32).clamp(1, 4096);
+        let spp = (wanted.round() as u32).clamp(self.scale.peer_spp, 4096);
         self.timed_spp.push((case, spp));
         Ok(Some(spp))
     }
