@@ -72,4 +72,15 @@ layout(push_constant) uniform Push {
     layout(offset = PUSH_LEAVE_EIGHTHS) uint leave_eighths;  // Paths are left when fewer eighths of the lanes have work.
 } push;
 
+// What the steps of a path read of the push constants, read once, before them: lavapipe reads one that stands in a branch lane by
+// lane, as if each had its own.
+struct Run {
+    uint samples, max_bounces, triangle_count, light_count;
+    uint leave_eighths;
+    float roulette_p;
+    vec3 sky;
+};
+Run run = Run(push.samples, push.max_bounces, push.triangle_count, push.light_count, push.leave_eighths, push.roulette_p,
+              vec3(push.sky_r, push.sky_g, push.sky_b));
+
 #endif

@@ -1,7 +1,7 @@
 // The estimator: what happens to a path between two rays.
 //
 // L(camera ray) = emission at its first hit + sum over bounces of (light sample + emission that the BSDF sample meets), each
-// pair combined by multiple importance sampling (Veach 1997). A path makes at most push.max_bounces scatterings; the
+// pair combined by multiple importance sampling (Veach 1997). A path makes at most run.max_bounces scatterings; the
 // estimate is unbiased for that number. Cost per bounce: one extension ray, at most one shadow ray.
 //
 // `advance` is written so that each part stands once: a device that runs its lanes in step (lavapipe above all) pays for
@@ -99,7 +99,7 @@ bool survives(inout Path path, uint word) {
         precise float largest = greater(greater(path.throughput.r, path.throughput.g), path.throughput.b) * scale;
         q = guarded(GUARD_ROULETTE_RANGE) ? lesser(greater(ROULETTE_GAIN * largest, 0.05), 1.0) : ROULETTE_GAIN * largest;
     } else if (ROULETTE == ROULETTE_FIXED) {
-        q = push.roulette_p;
+        q = run.roulette_p;
     } else {
         return true;
     }
@@ -112,7 +112,7 @@ bool survives(inout Path path, uint word) {
 }
 
 // A finished extension ray: emission, light sample, next direction.
-Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
+Departure shade(inout Path path, Stream stream, inout Tally tally) {
     Departure departure = Departure(vec3(0.0), NO_INDEX, vec3(0.0), 1.0, NO_INDEX, false);
     path.extends = false;
     Hit hit = path.traversal.best;
@@ -122,7 +122,7 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
             path.radiance = vec3(uintBitsToFloat(0x7fc00000u));
             note_cause(path, path.bounce == 0u, CAUSE_CAMERA);
         } else if (HAS_SKY != 0u) {
-            precise vec3 sum = path.radiance + path.throughput * vec3(push.sky_r, push.sky_g, push.sky_b);
+            precise vec3 sum = path.radiance + path.throughput * run.sky;
             path.radiance = sum;
             note_cause(path, is_invalid(sum, MAX_SAMPLE_RADIANCE_BITS), CAUSE_SKY);
         }
@@ -132,15 +132,15 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
     Interaction it = make_interaction(hit, wo);
     bool lambert = it.material.kind == MATERIAL_LAMBERT;
     bool emits = HAS_EMITTERS != 0u && it.pdf_area > 0.0 && it.front;
-    bool lit = HAS_EMITTERS != 0u && LIGHTS != LIGHTS_BSDF && lambert && push.light_count > 0u;
+    bool lit = HAS_EMITTERS != 0u && LIGHTS != LIGHTS_BSDF && lambert && run.light_count > 0u;
     LightAnswer tree = LightAnswer(0u, LightChoice(0u, 0u, 1u));
     if (LIGHT_PICK == LIGHT_PICK_TREE) {
         LightQuestion question;
         question.met = emits && LIGHTS == LIGHTS_MIS && !path.specular;
         question.trail = it.light_trail;
         question.from = LitPoint(path.o, path.normal);
-        question.picks = lit && path.bounce < push.max_bounces;
-        question.word = random_pair(pixel_key, path.samples_done, pair_number(path.bounce + 1u, PAIR_LIGHT_POINT)).x;
+        question.picks = lit && path.bounce < run.max_bounces;
+        question.word = random_pair(stream, path.samples_done, pair_number(path.bounce + 1u, PAIR_LIGHT_POINT)).x;
         question.lit = LitPoint(spawn_origin(it, it.ng), encode_octahedral(it.ns));
         tree = ask_light_tree(question, tally.steps);
         path.normal = question.lit.normal;
@@ -151,22 +151,22 @@ Departure shade(inout Path path, uint pixel_key, inout Tally tally) {
         path.radiance = sum;
         note_cause(path, is_invalid(sum, MAX_SAMPLE_RADIANCE_BITS), CAUSE_EMISSION);
     }
-    if (path.bounce >= push.max_bounces) {
+    if (path.bounce >= run.max_bounces) {
         return departure;
     }
     path.bounce++;
-    uvec2 direction = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_DIRECTION));
-    uvec2 choices = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_CHOICES));
+    uvec2 direction = random_pair(stream, path.samples_done, pair_number(path.bounce, PAIR_DIRECTION));
+    uvec2 choices = random_pair(stream, path.samples_done, pair_number(path.bounce, PAIR_CHOICES));
 
     BsdfSample sampled = sample_bsdf(it, wo, direction, choices.x);
     departure.o = spawn_origin(it, sampled.transmitted ? -it.ng : it.ng);
     departure.triangle = hit.triangle;
     if (lit) {
-        uvec2 point = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_LIGHT_POINT));
+        uvec2 point = random_pair(stream, path.samples_done, pair_number(path.bounce, PAIR_LIGHT_POINT));
         Light light;
         vec2 place = vec2(0.0, unit_float(point.y));
         if (LIGHT_PICK == LIGHT_PICK_TREE) {
-            uvec2 digits = random_pair(pixel_key, path.samples_done, pair_number(path.bounce, PAIR_LIGHT_DIGITS));
+            uvec2 digits = random_pair(stream, path.samples_done, pair_number(path.bounce, PAIR_LIGHT_DIGITS));
             light = fetch_light(tree.choice.light);
             precise float chosen = light.pdf_area * light_tree_probability(tree.choice.words);
             light.pdf_area = chosen;
@@ -225,15 +225,14 @@ void end_sample(inout Path path, inout uvec4 open_sum, inout Tally tally) {
 }
 
 // Takes the path from a finished ray (or from nothing) to its next one, or to the end of the run.
-void advance(inout Path path, Camera camera, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
-    uint pixel_key = pixel.x | (pixel.y << 16);
+void advance(inout Path path, Camera camera, Stream stream, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
     Departure departure = Departure(path.o, path.skip, vec3(0.0), 1.0, NO_INDEX, false);
     if (path.phase == PHASE_SHADOW && path.traversal.best.triangle == NO_INDEX) {
         precise vec3 sum = path.radiance + path.pending;
         path.radiance = sum;
     }
     if (path.phase == PHASE_EXTENSION) {
-        departure = shade(path, pixel_key, tally);
+        departure = shade(path, stream, tally);
     }
 
     vec3 d = path.wi;
@@ -245,11 +244,11 @@ void advance(inout Path path, Camera camera, uvec2 pixel, inout uvec4 open_sum, 
         if (path.phase != PHASE_CAMERA) {
             end_sample(path, open_sum, tally);
         }
-        if (path.samples_done == push.samples) {
+        if (path.samples_done == run.samples) {
             path.phase = PHASE_FINISHED;
             return;
         }
-        uvec2 u = random_pair(pixel_key, path.samples_done, pair_number(0u, PAIR_FILM));
+        uvec2 u = random_pair(stream, path.samples_done, pair_number(0u, PAIR_FILM));
         d = camera_direction(camera, pixel, unit_float2(u));
         departure = Departure(camera.origin, NO_INDEX, vec3(0.0), 1.0, NO_INDEX, false);
         path.bounce = 0u;

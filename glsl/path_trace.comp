@@ -67,18 +67,18 @@ void trace(inout Path path, uint entered, inout Tally tally) {
 
 // Rays and what comes between them, until the pixel's samples are done or the budget is, or so few lanes have samples left that
 // their paths had better go on among others.
-void run_path(inout Path path, Camera camera, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
+void run_path(inout Path path, Camera camera, Stream stream, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
     uint began = lanes_here();
     while (tally.steps + SHADING_STEPS < push.budget) {
         tally.steps++;
         if (!path.traversal.searching) {
-            advance(path, camera, pixel, open_sum, tally);
+            advance(path, camera, stream, pixel, open_sum, tally);
         }
         if (path.phase == PHASE_FINISHED) {
             break;
         }
         uint unfinished = lanes_here();
-        if (unfinished * 8u < began * push.leave_eighths) {
+        if (unfinished * 8u < began * run.leave_eighths) {
             break;
         }
         trace(path, unfinished, tally);
@@ -118,7 +118,7 @@ void main() {
     }
 
     Tally tally = Tally(RESERVED_STEPS, 0u, 0u, 0u, 0u, uvec2(0u));
-    run_path(path, fetch_camera(), pixel, open_sum, tally);
+    run_path(path, fetch_camera(), make_stream(pixel.x | (pixel.y << 16)), pixel, open_sum, tally);
 
     store_path(path, tile_pixel);
     open_sums[tile_pixel] = open_sum;

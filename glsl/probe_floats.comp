@@ -34,7 +34,7 @@ uvec3 unit_floats(uint first, uint count) {
 uvec2 random_sums(uint pixel, uint first, uint count) {
     uvec2 sums = uvec2(0u);
     for (uint i = 0u; i < count; i++) {
-        sums += random_pair(pixel, first + i, 0u) >> 16;
+        sums += random_pair(make_stream(pixel), first + i, 0u) >> 16;
     }
     return sums;
 }

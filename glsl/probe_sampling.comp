@@ -42,7 +42,7 @@ void main() {
     vec4 args = uintBitsToFloat(words);
     vec4 result = vec4(0.0);
     if (push.flags == 0u) {
-        probe_output[index] = uvec4(random_pair(words.x, words.y, words.z), 0u, 0u);
+        probe_output[index] = uvec4(random_pair(make_stream(words.x), words.y, words.z), 0u, 0u);
         return;
     } else if (push.flags == 1u) {
         result = vec4(unit_float(words.x), unit_float(words.y), unit_float(words.z), unit_float(words.w));

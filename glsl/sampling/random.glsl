@@ -79,20 +79,32 @@ uvec2 sobol_pair(uint index, uvec4 seeds) {
                                  scramble_reversed(sobol_second_reversed(shuffled), seeds.z)));
 }
 
-// The numbers of pair `pair` of sample `sample_number` of the run. `pixel` is x | y << 16, in pixels of the whole picture.
-uvec2 random_pair(uint pixel, uint sample_number, uint pair) {
-    uint index = push.first_index + sample_number;
+// What makes a pixel's random numbers in a run its own.
+struct Stream {
+    uint pixel;       // The pixel, seeded.
+    uint replicate;   // The replicate, seeded.
+    uint first_index; // Index of the run's first sample in the replicate.
+};
+
+// The stream of `pixel`: x | y << 16, in pixels of the whole picture. To be made once, as `run` is.
+Stream make_stream(uint pixel) {
+    return Stream(pixel + push.seed_low, push.replicate + push.seed_high, push.first_index);
+}
+
+// The numbers of pair `pair` of sample `sample_number` of the run.
+uvec2 random_pair(Stream stream, uint sample_number, uint pair) {
+    uint index = stream.first_index + sample_number;
     if (SAMPLER == SAMPLER_SOBOL) {
         // The constant keeps these seeds apart from the numbers of the independent sampler.
-        return sobol_pair(index, pcg4d(uvec4(pixel + push.seed_low, pair, push.replicate + push.seed_high, 0x9e3779b9u)));
+        return sobol_pair(index, pcg4d(uvec4(stream.pixel, pair, stream.replicate, 0x9e3779b9u)));
     }
     if (SAMPLER == SAMPLER_INDEPENDENT) {
-        return pcg4d(uvec4(pixel + push.seed_low, pair, push.replicate + push.seed_high, index)).xy;
+        return pcg4d(uvec4(stream.pixel, pair, stream.replicate, index)).xy;
     }
     // The thesis's way: a table made by the host, read from a place of the pixel's own and around again at its end.
-    uint start = pcg4d(uvec4(pixel + push.seed_low, push.seed_high, 0x85ebca6bu, 0xc2b2ae35u)).x;
+    uint start = pcg4d(uvec4(stream.pixel, push.seed_high, 0x85ebca6bu, 0xc2b2ae35u)).x;
     // Odd, so that the samples of a pixel go through the whole table before any comes again.
-    uint pairs = (PAIRS_PER_BOUNCE * (1u + push.max_bounces)) | 1u;
+    uint pairs = (PAIRS_PER_BOUNCE * (1u + run.max_bounces)) | 1u;
     return random_texel((start + (push.first_sample + sample_number) * pairs + pair) & (RANDOM_TABLE_TEXELS - 1u)).xy;
 }
 

@@ -34,7 +34,8 @@ vec2 square_to_disc(vec2 u) {
     }
     bool wide = abs(centred.x) > abs(centred.y);
     float radius = wide ? centred.x : centred.y;
-    float angle = wide ? (PI / 4.0) * (centred.y / centred.x) : (PI / 2.0) - (PI / 4.0) * (centred.x / centred.y);
+    float part = (PI / 4.0) * ((wide ? centred.y : centred.x) / radius);
+    float angle = wide ? part : (PI / 2.0) - part;
     return disc_point(radius, vec2(cos(angle), sin(angle)));
 }
 

@@ -33,7 +33,8 @@ uint enter_four(vec3 step, vec3 near_base, vec3 far_base, uvec3 near_words, uvec
     precise vec4 far_x = bytes(far_words.x) * step.x + far_base.x;
     precise vec4 far_y = bytes(far_words.y) * step.y + far_base.y;
     precise vec4 far_z = bytes(far_words.z) * step.z + far_base.z;
-    vec4 entry = greater(greater(near_x, near_y), near_z);
+    // From 0 on: a box behind the origin is left before it is entered.
+    vec4 entry = greater(greater(near_x, near_y), greater(near_z, vec4(0.0)));
     vec4 leave = lesser(lesser(far_x, far_y), lesser(far_z, vec4(cull)));
     // Both bits of 0b11000 are set in an inner child's meta alone (a leaf's offset ends at 23): 0b111 in those bytes.
     uint inner = (((meta >> 4) & (meta >> 3)) & 0x01010101u) * 7u;
@@ -41,10 +42,10 @@ uint enter_four(vec3 step, vec3 near_base, vec3 far_base, uvec3 near_words, uvec
     uint counts = (meta >> 5) & 0x07070707u;
     uvec4 place = uvec4(places, places >> 8, places >> 16, places >> 24);
     uvec4 bits = uvec4(counts & 0xffu, (counts >> 8) & 0xffu, (counts >> 16) & 0xffu, counts >> 24) << (place & 31u);
-    uint taken = entry.x <= leave.x && leave.x >= 0.0 ? bits.x : 0u;
-    taken |= entry.y <= leave.y && leave.y >= 0.0 ? bits.y : 0u;
-    taken |= entry.z <= leave.z && leave.z >= 0.0 ? bits.z : 0u;
-    taken |= entry.w <= leave.w && leave.w >= 0.0 ? bits.w : 0u;
+    uint taken = entry.x <= leave.x ? bits.x : 0u;
+    taken |= entry.y <= leave.y ? bits.y : 0u;
+    taken |= entry.z <= leave.z ? bits.z : 0u;
+    taken |= entry.w <= leave.w ? bits.w : 0u;
     return taken;
 }
 
