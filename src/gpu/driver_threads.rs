@@ -20,8 +20,7 @@ const MOST_THREADS: usize = 16;
 /// Does nothing where the variable is set, and where the process has begun another thread or cannot tell: a program calls it first of
 /// all.
 pub fn prefer_many_driver_threads() {
-    let cores = available_parallelism().map_or(MOST_THREADS, usize::from);
-    if let Some(threads) = threads(cores)
+    if let Some(threads) = available_parallelism().ok().and_then(|cores| threads(cores.get()))
         && std::env::var_os(VARIABLE).is_none()
         && is_only_thread()
     {
@@ -30,9 +29,9 @@ pub fn prefer_many_driver_threads() {
     }
 }
 
-/// Threads to ask for on so many cores; none where the driver takes as many by itself.
+/// Threads to ask for on so many cores: none where the driver would make fewer, and some cores had more ranges than others.
 fn threads(cores: usize) -> Option<usize> {
-    (cores < MOST_THREADS).then(|| (cores * THREADS_A_CORE).min(MOST_THREADS))
+    Some(cores * THREADS_A_CORE).filter(|&threads| threads <= MOST_THREADS)
 }
 
 /// Whether this thread is the process's only one, by the list that Linux keeps of them.
@@ -45,8 +44,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn several_threads_a_core_as_far_as_the_driver_has_them() {
-        assert_eq!([1, 2, 4, 15, 16, 64].map(threads), [Some(4), Some(8), Some(16), Some(16), None, None]);
+    fn four_threads_a_core_where_the_driver_has_as_many() {
+        assert_eq!([1, 2, 4, 5, 16, 64].map(threads), [Some(4), Some(8), Some(16), None, None, None]);
     }
 
     #[test]
