@@ -31,8 +31,17 @@ RECORD_BUFFER(filter, BINDING_FILTER)
 RECORD_BUFFER(random, BINDING_RANDOM)
 RECORD_BUFFER(light_nodes, BINDING_LIGHT_NODES)
 
-// Word `field * tile_pixels + pixel` of the path states (path_state.glsl).
-layout(set = 0, binding = BINDING_PATHS, std430) buffer PathStates { uint path_words[]; };
+// Path states of the tile (path_state.glsl), one buffer under two bindings: written as storage, read as texels. A fetch of four
+// lanes costs some drivers as much as one word of storage. Storage is read too where the buffer is too large for a view.
+layout(constant_id = SPEC_STORAGE_PATHS) const uint STORAGE_PATHS = 0u;
+layout(set = 0, binding = BINDING_PATHS) uniform utextureBuffer paths_view;
+layout(set = 0, binding = BINDING_PATHS_WRITTEN, std430) buffer PathStates { uvec4 path_texels[]; };
+uvec4 path_texel(uint i) {
+    return STORAGE_PATHS != 0u ? path_texels[i] : texelFetch(paths_view, int(i));
+}
+
+// Word `list * tile_pixels + place` of the lists of unfinished pixels.
+layout(set = 0, binding = BINDING_LISTS, std430) buffer Lists { uint list_words[]; };
 
 // Open sum of each pixel of the tile: radiance sum of the block's samples so far (three floats' bits) and their number.
 layout(set = 0, binding = BINDING_SUMS, std430) buffer OpenSums { uvec4 open_sums[]; };

@@ -24,8 +24,8 @@
 const uint SHADING_STEPS = 34u;
 
 // Steps set aside for the loops that load and save the stack and add to the counters, should a driver not unroll them: all
-// lanes of a vector run them together, 2 x 64 + 11 iterations for 8 lanes.
-const uint RESERVED_STEPS = 18u;
+// lanes of a vector run them together, 2 x 32 + 11 iterations for 8 lanes.
+const uint RESERVED_STEPS = 10u;
 
 // Counts of one invocation, added to the counters when it ends.
 struct Tally {

@@ -34,123 +34,104 @@ struct Path {
     Traversal traversal;
 };
 
-// Cursor over the words of a pixel's state.
-uint state_word(uint field, uint pixel) {
+// Place `at` of list 0 or 1 of pixels.
+uint list_word(uint list, uint at) {
+    return list * (push.tile_width * push.tile_height) + at;
+}
+
+// Texel `field` of a pixel's state: neighbours have neighbouring ones.
+uint state_texel(uint field, uint pixel) {
     return field * (push.tile_width * push.tile_height) + pixel;
 }
 
-// Place `at` of list 0 or 1 of pixels.
-uint list_word(uint list, uint at) {
-    return state_word(PATH_WORDS + STACK_ENTRIES * STACK_ENTRY_WORDS + list, at);
+void store_texel(uint field, uint pixel, uvec4 texel) {
+    path_texels[state_texel(field, pixel)] = texel;
 }
 
-void store_vec3(uint field, uint pixel, vec3 v) {
-    path_words[state_word(field, pixel)] = floatBitsToUint(v.x);
-    path_words[state_word(field + 1u, pixel)] = floatBitsToUint(v.y);
-    path_words[state_word(field + 2u, pixel)] = floatBitsToUint(v.z);
+uvec4 load_texel(uint field, uint pixel) {
+    return path_texel(state_texel(field, pixel));
 }
 
-vec3 load_vec3(uint field, uint pixel) {
-    return uintBitsToFloat(uvec3(path_words[state_word(field, pixel)], path_words[state_word(field + 1u, pixel)],
-                                 path_words[state_word(field + 2u, pixel)]));
+// A vector and a word, as a texel.
+uvec4 texel_of(vec3 v, uint word) {
+    return uvec4(floatBitsToUint(v), word);
 }
 
-void store_uvec2(uint field, uint pixel, uvec2 v) {
-    path_words[state_word(field, pixel)] = v.x;
-    path_words[state_word(field + 1u, pixel)] = v.y;
-}
-
-uvec2 load_uvec2(uint field, uint pixel) {
-    return uvec2(path_words[state_word(field, pixel)], path_words[state_word(field + 1u, pixel)]);
-}
-
-// Word 0 of a state: phase in bits 0 and 1, then specular, extends, searching, and the cause in bits 5 to 7.
-uint pack_flags(Path path) {
+// The first word of a state: phase in bits 0 and 1, then specular, extends, searching, the cause in bits 5 to 7, the samples done
+// from bit 8 and the stack's size from bit 16 on.
+uint pack_first(Path path) {
     return path.phase | (path.specular ? 4u : 0u) | (path.extends ? 8u : 0u) | (path.traversal.searching ? 16u : 0u) |
-           (path.cause << 5);
+           (path.cause << 5) | (path.samples_done << 8) | (path.traversal.stack_size << 16);
 }
 
-// A finished pixel keeps its flags alone: the next run begins anew.
+// Nothing is kept of a finished pixel: its next run begins anew.
 void store_path(Path path, uint pixel) {
-    path_words[state_word(0u, pixel)] = pack_flags(path);
     if (path.phase == PHASE_FINISHED) {
         return;
     }
     Traversal traversal = path.traversal;
-    path_words[state_word(1u, pixel)] = path.samples_done;
-    path_words[state_word(2u, pixel)] = path.bounce;
-    store_vec3(3u, pixel, path.o);
-    store_vec3(6u, pixel, path.d);
-    store_vec3(9u, pixel, path.wi);
-    store_vec3(12u, pixel, path.pending);
-    store_vec3(15u, pixel, path.throughput);
-    store_vec3(18u, pixel, path.radiance);
-    path_words[state_word(21u, pixel)] = floatBitsToUint(path.pdf);
-    path_words[state_word(22u, pixel)] = floatBitsToUint(path.eta_scale);
-    path_words[state_word(23u, pixel)] = path.skip;
-    path_words[state_word(24u, pixel)] = path.skip_too;
-    path_words[state_word(25u, pixel)] = floatBitsToUint(traversal.best.key);
-    path_words[state_word(26u, pixel)] = traversal.best.id;
-    path_words[state_word(27u, pixel)] = traversal.best.triangle;
-    path_words[state_word(28u, pixel)] = floatBitsToUint(traversal.best.b1);
-    path_words[state_word(29u, pixel)] = floatBitsToUint(traversal.best.b2);
-    store_uvec2(30u, pixel, traversal.nodes);
-    store_uvec2(32u, pixel, traversal.triangles);
-    if (TESTS_A_VISIT != 0u) {
-        store_uvec2(34u, pixel, traversal.queued);
-    }
-    path_words[state_word(36u, pixel)] = traversal.stack_size;
-    if (LIGHT_PICK == LIGHT_PICK_TREE) {
-        path_words[state_word(37u, pixel)] = path.normal;
-    }
+    Hit best = traversal.best;
+    uvec2 floats = floatBitsToUint(vec2(path.pdf, path.eta_scale));
+    store_texel(0u, pixel, uvec4(pack_first(path), path.bounce, floats));
+    store_texel(1u, pixel, texel_of(path.o, path.skip));
+    store_texel(2u, pixel, texel_of(path.d, path.skip_too));
+    store_texel(3u, pixel, texel_of(path.wi, path.normal));
+    store_texel(4u, pixel, texel_of(path.pending, floatBitsToUint(best.key)));
+    store_texel(5u, pixel, texel_of(path.throughput, best.id));
+    store_texel(6u, pixel, texel_of(path.radiance, best.triangle));
+    store_texel(7u, pixel, uvec4(floatBitsToUint(vec2(best.b1, best.b2)), traversal.nodes));
+    store_texel(8u, pixel, uvec4(traversal.triangles, traversal.queued));
     // Constant bounds keep the stack in registers (traversal.glsl).
-    for (uint i = 0u; i < STACK_ENTRIES; i++) {
-        if (i < traversal.stack_size) {
-            store_uvec2(PATH_WORDS + i * STACK_ENTRY_WORDS, pixel, stack[i]);
+    for (uint i = 0u; i < STACK_ENTRIES / STACK_ENTRIES_A_TEXEL; i++) {
+        if (i * STACK_ENTRIES_A_TEXEL < traversal.stack_size) {
+            store_texel(PATH_TEXELS + i, pixel, uvec4(stack[2u * i], stack[2u * i + 1u]));
         }
     }
 }
 
+// The state of a pixel that the last dispatch left unfinished. View and storage buffer are the same memory: a texel may be written only
+// after it is read, which holds as long as what is written to it is made of what it was (a path may end as it began).
 Path load_path(uint pixel) {
-    uint flags = path_words[state_word(0u, pixel)];
+    uvec4 first = load_texel(0u, pixel);
+    uvec4 o = load_texel(1u, pixel);
+    uvec4 d = load_texel(2u, pixel);
+    uvec4 wi = load_texel(3u, pixel);
+    uvec4 pending = load_texel(4u, pixel);
+    uvec4 throughput = load_texel(5u, pixel);
+    uvec4 radiance = load_texel(6u, pixel);
+    uvec4 search = load_texel(7u, pixel);
+    uvec4 triangles = load_texel(8u, pixel);
     Path path;
-    path.phase = flags & 3u;
-    path.specular = (flags & 4u) != 0u;
-    path.extends = (flags & 8u) != 0u;
-    path.cause = (flags >> 5) & 7u;
-    path.samples_done = path_words[state_word(1u, pixel)];
-    path.bounce = path_words[state_word(2u, pixel)];
-    path.o = load_vec3(3u, pixel);
-    path.d = load_vec3(6u, pixel);
-    path.wi = load_vec3(9u, pixel);
-    path.pending = load_vec3(12u, pixel);
-    path.throughput = load_vec3(15u, pixel);
-    path.radiance = load_vec3(18u, pixel);
-    path.pdf = uintBitsToFloat(path_words[state_word(21u, pixel)]);
-    path.eta_scale = uintBitsToFloat(path_words[state_word(22u, pixel)]);
-    path.skip = path_words[state_word(23u, pixel)];
-    path.skip_too = path_words[state_word(24u, pixel)];
-    path.normal = 0u;
-    if (LIGHT_PICK == LIGHT_PICK_TREE) {
-        path.normal = path_words[state_word(37u, pixel)];
-    }
+    path.phase = first.x & 3u;
+    path.specular = (first.x & 4u) != 0u;
+    path.extends = (first.x & 8u) != 0u;
+    path.cause = (first.x >> 5) & 7u;
+    path.samples_done = (first.x >> 8) & 0xffu;
+    path.bounce = first.y;
+    path.pdf = uintBitsToFloat(first.z);
+    path.eta_scale = uintBitsToFloat(first.w);
+    path.o = uintBitsToFloat(o.xyz);
+    path.skip = o.w;
+    path.d = uintBitsToFloat(d.xyz);
+    path.skip_too = d.w;
+    path.wi = uintBitsToFloat(wi.xyz);
+    path.normal = wi.w;
+    path.pending = uintBitsToFloat(pending.xyz);
+    path.throughput = uintBitsToFloat(throughput.xyz);
+    path.radiance = uintBitsToFloat(radiance.xyz);
+    vec2 barycentrics = uintBitsToFloat(search.xy);
     Traversal traversal;
-    traversal.best.key = uintBitsToFloat(path_words[state_word(25u, pixel)]);
-    traversal.best.id = path_words[state_word(26u, pixel)];
-    traversal.best.triangle = path_words[state_word(27u, pixel)];
-    traversal.best.b1 = uintBitsToFloat(path_words[state_word(28u, pixel)]);
-    traversal.best.b2 = uintBitsToFloat(path_words[state_word(29u, pixel)]);
-    traversal.nodes = load_uvec2(30u, pixel);
-    traversal.triangles = load_uvec2(32u, pixel);
-    traversal.queued = uvec2(0u);
-    if (TESTS_A_VISIT != 0u) {
-        traversal.queued = load_uvec2(34u, pixel);
-    }
-    traversal.stack_size = path_words[state_word(36u, pixel)];
-    traversal.searching = (flags & 16u) != 0u;
-    for (uint i = 0u; i < STACK_ENTRIES; i++) {
-        if (i < traversal.stack_size) {
-            stack[i] = load_uvec2(PATH_WORDS + i * STACK_ENTRY_WORDS, pixel);
+    traversal.best = Hit(uintBitsToFloat(pending.w), throughput.w, radiance.w, barycentrics.x, barycentrics.y);
+    traversal.nodes = search.zw;
+    traversal.triangles = triangles.xy;
+    traversal.queued = triangles.zw;
+    traversal.stack_size = first.x >> 16;
+    traversal.searching = (first.x & 16u) != 0u;
+    for (uint i = 0u; i < STACK_ENTRIES / STACK_ENTRIES_A_TEXEL; i++) {
+        if (i * STACK_ENTRIES_A_TEXEL < traversal.stack_size) {
+            uvec4 entries = load_texel(PATH_TEXELS + i, pixel);
+            stack[2u * i] = entries.xy;
+            stack[2u * i + 1u] = entries.zw;
         }
     }
     path.traversal = traversal;

@@ -1,6 +1,6 @@
 // The path tracer: an invocation owns a pixel and runs its samples in order until they are done or its step budget is.
 //
-// In: the scene's records, the path states and open sums of the tile. Out: the same, and counters. One loop serves extension
+// In: the scene's records; path states, lists and open sums of the tile. Out: the latter three, and counters. One loop serves extension
 // and shadow rays; it is left when too few lanes of the subgroup still trace, so that idle lanes get new rays soon. What a
 // pixel computes depends on neither budget nor neighbours.
 #version 460
@@ -94,13 +94,17 @@ void main() {
         if (at >= push.listed) {
             return;
         }
-        uint listed = path_words[list_word(1u - fills, push.listed_first + at)];
+        uint listed = list_words[list_word(1u - fills, push.listed_first + at)];
         place = uvec2(listed % push.tile_width, listed / push.tile_width);
     } else if (place.x >= push.tile_width || gl_GlobalInvocationID.y >= push.slice_rows || place.y >= push.tile_height) {
         return;
     }
     uint tile_pixel = place.y * push.tile_width + place.x;
     uvec2 pixel = place + uvec2(push.tile_x, push.tile_y);
+    // A device that runs both sides of a branch fetches a state where a run begins, too, and so maps memory that nobody has written
+    // yet, once to read it and once more to write: always the first state then. (As `begins ? 0u : tile_pixel` it would be
+    // moved to where `begins` is known.)
+    uint loaded = tile_pixel * (1u - min(push.flags & DISPATCH_BEGINS_RUN, 1u));
 
     Path path;
     uvec4 open_sum;
@@ -113,7 +117,7 @@ void main() {
         path.traversal = begin_traversal(no_hit(), vec3(0.0), vec3(0.0)); // nothing to search yet
         open_sum = push.first_sample % BLOCK_SAMPLES == 0u ? uvec4(0u) : open_sums[tile_pixel];
     } else {
-        path = load_path(tile_pixel);
+        path = load_path(loaded);
         open_sum = open_sums[tile_pixel];
     }
 
@@ -123,7 +127,7 @@ void main() {
     store_path(path, tile_pixel);
     open_sums[tile_pixel] = open_sum;
     if (path.phase != PHASE_FINISHED) {
-        path_words[list_word(fills, push.filled + atomicAdd(counters[COUNTER_UNFINISHED], 1u))] = tile_pixel;
+        list_words[list_word(fills, push.filled + atomicAdd(counters[COUNTER_UNFINISHED], 1u))] = tile_pixel;
     }
     atomicAdd(counters[COUNTER_RAYS], tally.rays);
     atomicAdd(counters[COUNTER_PATHS], tally.paths);

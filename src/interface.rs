@@ -113,16 +113,21 @@ pub const BINDING_LIGHT_NODES: u32 = 9;
 pub const RECORD_BINDINGS: u32 = 10;
 /// Distance from a record buffer's texel binding to its storage-buffer twin.
 pub const STORAGE_TWIN: u32 = 10;
-/// Path states of the tile (storage).
+/// Path states of the tile as they are read (a uniform texel buffer, or null).
 pub const BINDING_PATHS: u32 = 20;
+/// The same buffer as it is written, and read where it has no texel view (storage).
+pub const BINDING_PATHS_WRITTEN: u32 = 21;
+/// Two lists of pixels of the tile, one after the other, a word a pixel (storage): a dispatch goes on with the pixels of one and
+/// puts those that it leaves unfinished into the other.
+pub const BINDING_LISTS: u32 = 22;
 /// Open sums of the tile, four words a pixel: `[sum.rgb, count]` (storage).
-pub const BINDING_SUMS: u32 = 21;
+pub const BINDING_SUMS: u32 = 23;
 /// Counters of a dispatch (storage), the `COUNTER_*` words.
-pub const BINDING_COUNTERS: u32 = 22;
+pub const BINDING_COUNTERS: u32 = 24;
 /// Input of a probe kernel, as texels (tests and self-tests only).
-pub const BINDING_PROBE_INPUT: u32 = 23;
+pub const BINDING_PROBE_INPUT: u32 = 25;
 /// Output of a probe kernel (storage; tests and self-tests only).
-pub const BINDING_PROBE_OUTPUT: u32 = 24;
+pub const BINDING_PROBE_OUTPUT: u32 = 26;
 
 // ---- Counters -----------------------------------------------------------------------------------------------------
 
@@ -175,14 +180,14 @@ pub const CAUSE_GLASS: u32 = 7;
 /// Number of causes.
 pub const CAUSES: u32 = 8;
 
-// ---- Path state, one word a field and pixel: word `field * tile_pixels + pixel` -----------------------------------
+// ---- Path state of an unfinished pixel: texel `field * tile_pixels + pixel` (glsl/path_state.glsl) -----------------
 
-/// Words of a path state without its traversal stack; the stack follows, two words an entry.
-pub const PATH_WORDS: u32 = 38;
-/// Words of one entry of the traversal stack.
-pub const STACK_ENTRY_WORDS: u32 = 2;
-/// Words a pixel for two lists of pixels, which follow the stacks: a dispatch goes on with the pixels of one list and puts
-/// those that it leaves unfinished into the other.
+/// Texels of a path state without its traversal stack: phase, flags and counts; `o`, `d`, `wi`, `pending`, `throughput` and
+/// `radiance`, each with a word of something else; where the traversal stands. The stack follows.
+pub const PATH_TEXELS: u32 = 9;
+/// Entries of the traversal stack in a texel; a stack has whole texels.
+pub const STACK_ENTRIES_A_TEXEL: u32 = 2;
+/// Lists of pixels.
 pub const LISTS: u32 = 2;
 /// A dispatch takes the pixels of a list in rows of this many invocations.
 pub const LIST_ROW: u32 = 64;
@@ -197,7 +202,7 @@ pub const SPEC_WORKGROUP_Y: u32 = 1;
 pub const SPEC_STORAGE_RECORDS: u32 = 2;
 /// The `ACCEL_*` value.
 pub const SPEC_ACCEL: u32 = 3;
-/// Entries of the traversal stack (at least 1).
+/// Entries of the traversal stack, at least 1; the path tracer's are whole texels.
 pub const SPEC_STACK_ENTRIES: u32 = 4;
 /// The `INTERSECTOR_*` value.
 pub const SPEC_INTERSECTOR: u32 = 5;
@@ -217,6 +222,8 @@ pub const SPEC_WITHOUT_GUARD: u32 = 11;
 pub const SPEC_TESTS_A_VISIT: u32 = 12;
 /// The `LIGHT_PICK_*` value.
 pub const SPEC_LIGHT_PICK: u32 = 13;
+/// 1: path states are read from their storage buffer, 0: from its texel view.
+pub const SPEC_STORAGE_PATHS: u32 = 14;
 /// First effect switch; effect `e` has the constant `SPEC_EFFECTS + e`, 1 where it is on.
 pub const SPEC_EFFECTS: u32 = 32;
 
@@ -424,7 +431,8 @@ pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
     ("BINDING_SURFACES", BINDING_SURFACES), ("BINDING_CORNERS", BINDING_CORNERS),
     ("BINDING_MATERIALS", BINDING_MATERIALS), ("BINDING_LIGHTS", BINDING_LIGHTS), ("BINDING_CAMERA", BINDING_CAMERA),
     ("BINDING_FILTER", BINDING_FILTER), ("BINDING_RANDOM", BINDING_RANDOM), ("STORAGE_TWIN", STORAGE_TWIN),
-    ("BINDING_PATHS", BINDING_PATHS), ("BINDING_SUMS", BINDING_SUMS), ("BINDING_COUNTERS", BINDING_COUNTERS),
+    ("BINDING_PATHS", BINDING_PATHS), ("BINDING_PATHS_WRITTEN", BINDING_PATHS_WRITTEN), ("BINDING_LISTS", BINDING_LISTS),
+    ("BINDING_SUMS", BINDING_SUMS), ("BINDING_COUNTERS", BINDING_COUNTERS),
     ("BINDING_PROBE_INPUT", BINDING_PROBE_INPUT), ("BINDING_PROBE_OUTPUT", BINDING_PROBE_OUTPUT),
     ("COUNTER_UNFINISHED", COUNTER_UNFINISHED), ("COUNTER_RAYS", COUNTER_RAYS), ("COUNTER_PATHS", COUNTER_PATHS),
     ("COUNTER_MAX_STEPS", COUNTER_MAX_STEPS), ("COUNTER_STACK_OVERFLOW", COUNTER_STACK_OVERFLOW),
@@ -434,10 +442,10 @@ pub const SHADER_CONSTANTS: &[(&str, u32)] = &[
     ("CAUSE_SUM", CAUSE_SUM), ("CAUSE_CAMERA", CAUSE_CAMERA), ("CAUSE_EMISSION", CAUSE_EMISSION),
     ("CAUSE_SKY", CAUSE_SKY), ("CAUSE_LIGHT", CAUSE_LIGHT), ("CAUSE_LAMBERT", CAUSE_LAMBERT),
     ("CAUSE_MIRROR", CAUSE_MIRROR), ("CAUSE_GLASS", CAUSE_GLASS),
-    ("PATH_WORDS", PATH_WORDS), ("STACK_ENTRY_WORDS", STACK_ENTRY_WORDS),
+    ("PATH_TEXELS", PATH_TEXELS), ("STACK_ENTRIES_A_TEXEL", STACK_ENTRIES_A_TEXEL),
     ("LIST_ROW", LIST_ROW), ("DISPATCH_FILLS_FIRST_LIST", DISPATCH_FILLS_FIRST_LIST),
     ("SPEC_WORKGROUP_X", SPEC_WORKGROUP_X), ("SPEC_WORKGROUP_Y", SPEC_WORKGROUP_Y),
-    ("SPEC_STORAGE_RECORDS", SPEC_STORAGE_RECORDS), ("SPEC_ACCEL", SPEC_ACCEL),
+    ("SPEC_STORAGE_RECORDS", SPEC_STORAGE_RECORDS), ("SPEC_STORAGE_PATHS", SPEC_STORAGE_PATHS), ("SPEC_ACCEL", SPEC_ACCEL),
     ("SPEC_STACK_ENTRIES", SPEC_STACK_ENTRIES), ("SPEC_INTERSECTOR", SPEC_INTERSECTOR), ("SPEC_SAMPLER", SPEC_SAMPLER),
     ("SPEC_LIGHTS", SPEC_LIGHTS), ("SPEC_HEMISPHERE", SPEC_HEMISPHERE), ("SPEC_ROULETTE", SPEC_ROULETTE),
     ("SPEC_REFILL_EIGHTHS", SPEC_REFILL_EIGHTHS), ("SPEC_EFFECTS", SPEC_EFFECTS),

@@ -36,7 +36,7 @@ pub struct Settings {
     pub hemisphere: Hemisphere,
     /// Russian roulette.
     pub roulette: Roulette,
-    /// How records are bound.
+    /// How records and path states are read.
     pub buffers: Buffers,
     /// `true`: every effect on, whatever the scene calls for.
     pub all_effects: bool,
@@ -183,7 +183,7 @@ pub enum Roulette {
     Fixed(f32),
 }
 
-/// How records are bound.
+/// How a kernel reads records and path states.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Buffers {

@@ -157,6 +157,19 @@ fn trees_builders_and_buffer_kinds_do_not_show() {
 }
 
 #[test]
+fn how_path_states_are_read_does_not_show() {
+    for name in ["cornell-box", "cornell-glass", "lanterns", "teapot"] {
+        let (scene, settings) = small(name, [29, 22], 3);
+        // A small budget stores and loads each path many times.
+        let tuned = |path_buffers| Tuning { path_buffers: Some(path_buffers), budget: Some(64), ..Tuning::default() };
+        let [texel, storage] = [Buffers::Texel, Buffers::Storage]
+            .map(|path_buffers| bits(&render_tuned(&scene, &settings, &tuned(path_buffers))));
+        assert_same(&texel, &storage, name);
+        assert_same(&texel, &bits(&render(&scene, &settings)), name);
+    }
+}
+
+#[test]
 fn samplers_repeat_and_differ() {
     let (scene, settings) = small("cornell-box", [33, 25], 17);
     let picture = |sampler| bits(&render(&scene, &Settings { sampler, ..settings.clone() }));

@@ -185,7 +185,9 @@ fn bindings_are_the_contracts() {
         expected.insert(number + STORAGE_TWIN, format!("{name}_block"));
     }
     for (number, name) in [
-        (BINDING_PATHS, "PathStates"),
+        (BINDING_PATHS, "paths_view"),
+        (BINDING_PATHS_WRITTEN, "PathStates"),
+        (BINDING_LISTS, "Lists"),
         (BINDING_SUMS, "OpenSums"),
         (BINDING_COUNTERS, "Counters"),
         (BINDING_PROBE_INPUT, "ProbeInput"),
@@ -193,7 +195,7 @@ fn bindings_are_the_contracts() {
     ] {
         expected.insert(number, name.to_owned());
     }
-    assert_eq!(expected.len(), 25);
+    assert_eq!(expected.len(), 27);
     for words in [shaders::PATH_TRACE, shaders::PATH_TRACE_PLAIN, shaders::PROBE_TRACE, shaders::PROBE_SAMPLING] {
         assert_eq!(bindings(&parse(words)), expected);
     }

@@ -4,6 +4,7 @@
 
 use texray::gpu::DeviceInfo;
 use texray::interface::{PUSH_CONSTANT_BYTES, RECORD_BINDINGS};
+use texray::render::kernel::WRITTEN_BINDINGS;
 use texray::render::tiles::path_bytes;
 
 /// Entries of a traversal stack that a scene of some hundred thousand triangles needs.
@@ -17,7 +18,7 @@ pub fn lines(info: &DeviceInfo) -> Vec<String> {
         (true, _) => "ballot: lanes refill together",
         (false, _) => "no ballot: the plain kernel is used",
     };
-    let storage_buffers = RECORD_BINDINGS + 3;
+    let storage_buffers = RECORD_BINDINGS + WRITTEN_BINDINGS.len() as u32;
     let rows = [
         ("Vulkan", info.api_version.clone(), "1.1 is enough".to_owned()),
         (

@@ -71,7 +71,7 @@ pub struct SettingsArgs {
     #[arg(long, value_name = "throughput|off|P", default_value = "throughput", value_parser = parse::roulette)]
     #[arg(help_heading = "Method")]
     roulette: Roulette,
-    /// How records are bound: texel buffers or storage buffers
+    /// How records and path states are read: from texel buffers or storage buffers
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
     buffers: Buffers,
     /// Effects compiled into the kernel

@@ -17,8 +17,8 @@ pub enum Barrier {
     /// Copies and fills → a dispatch that reads, or adds to, what they wrote. Without it the dispatch may read the bytes
     /// from before the copy.
     TransferToCompute,
-    /// A dispatch → the next one, which reads or writes the same storage buffers. Without it both may run at once, and
-    /// the later one miss path states or sums of the earlier, or be overwritten by it.
+    /// A dispatch → the next one, which reads or writes the same buffers, by whatever binding. Without it both may run at
+    /// once, and the later one miss path states, lists or sums of the earlier, or be overwritten by it.
     ComputeToCompute,
     /// A dispatch → copies or fills. Without it a copy may take sums that are still being written, or a fill clear
     /// counters that the dispatch is still reading.

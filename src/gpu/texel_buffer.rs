@@ -1,7 +1,8 @@
 //! A buffer that shaders read as texels.
 //!
 //! Comes in: a size. Goes out: a device buffer with a view of the format R32G32B32A32_UINT, which a shader reads through
-//! a `utextureBuffer`. Vulkan promises this format for uniform texel buffers on every device.
+//! a `utextureBuffer`. Vulkan promises this format for uniform texel buffers on every device. A shader may also write such a
+//! buffer, by a binding of its own, where it was made as a storage buffer too.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,7 +12,7 @@ use ash::vk;
 use super::context::Context;
 use super::failure::failed;
 use super::handle::Handle;
-use super::memory::{Buffer, BufferUse, Memory};
+use super::memory::{Buffer, BufferUse, Memory, TEXEL_BYTES};
 use crate::Result;
 
 /// A device buffer and its texel view.
@@ -22,10 +23,23 @@ pub struct TexelBuffer {
 }
 
 impl TexelBuffer {
+    /// Whether the device allows a texel buffer of `size_bytes`.
+    pub fn fits(context: &Context, size_bytes: u64) -> bool {
+        size_bytes.div_ceil(TEXEL_BYTES) <= context.device_info().max_texel_buffer_elements
+    }
+
     /// Makes a texel buffer of `size_bytes`, rounded up to whole texels of 16 bytes. Refused, by name, where the device
     /// has a smaller `maxTexelBufferElements`.
     pub fn new(context: &Context, name: &str, size_bytes: u64) -> Result<Arc<TexelBuffer>> {
-        let uses = BufferUse { texel: true, storage: false };
+        TexelBuffer::with(context, name, size_bytes, BufferUse { texel: true, storage: false })
+    }
+
+    /// The same, to be written by shaders as well: [`TexelBuffer::buffer`] can be bound as a storage buffer.
+    pub fn written_by_shaders(context: &Context, name: &str, size_bytes: u64) -> Result<Arc<TexelBuffer>> {
+        TexelBuffer::with(context, name, size_bytes, BufferUse { texel: true, storage: true })
+    }
+
+    fn with(context: &Context, name: &str, size_bytes: u64, uses: BufferUse) -> Result<Arc<TexelBuffer>> {
         let buffer = Buffer::new(context, name, size_bytes, uses, Memory::Device)?;
         let info = vk::BufferViewCreateInfo::default()
             .buffer(buffer.raw())

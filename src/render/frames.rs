@@ -184,7 +184,7 @@ impl Renderer {
         recorder.fill(&self.counters, 0, COUNTER_BYTES, 0)?;
         // The counters are cleared, and the copy of the last tile's sums has read them, before this frame's shader writes.
         recorder.barrier(Barrier::TransferToCompute)?;
-        // The last frame's shader has written the path states and sums that this one reads.
+        // The last frame's shader has written the path states, lists and sums that this one reads.
         recorder.barrier(Barrier::ComputeToCompute)?;
         recorder.dispatch(&self.pipeline, &self.bind_group, &self.constants.push(dispatch), dispatch.groups())?;
         let why = "unfinished paths and counts of a frame";

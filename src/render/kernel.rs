@@ -26,10 +26,14 @@ pub fn leave_eighths(device: DeviceKind) -> u32 {
     }
 }
 
+/// What the path tracer writes: all of it storage buffers.
+pub const WRITTEN_BINDINGS: [u32; 4] = [BINDING_PATHS_WRITTEN, BINDING_LISTS, BINDING_SUMS, BINDING_COUNTERS];
+
 /// Every binding of the path tracer's descriptor set.
 pub fn bindings() -> Vec<BindingSlot> {
-    let texel = (0..RECORD_BINDINGS).map(|number| BindingSlot { number, kind: BindingKind::Texel });
-    let storage = (STORAGE_TWIN..STORAGE_TWIN + RECORD_BINDINGS).chain([BINDING_PATHS, BINDING_SUMS, BINDING_COUNTERS]);
+    let texel = (0..RECORD_BINDINGS).chain([BINDING_PATHS]);
+    let storage = (STORAGE_TWIN..STORAGE_TWIN + RECORD_BINDINGS).chain(WRITTEN_BINDINGS);
+    let texel = texel.map(|number| BindingSlot { number, kind: BindingKind::Texel });
     texel.chain(storage.map(|number| BindingSlot { number, kind: BindingKind::Storage })).collect()
 }
 
@@ -60,6 +64,20 @@ fn module(context: &Context, tuning: &Tuning) -> &'static [u32] {
     }
 }
 
+/// How a kernel reads what has two bindings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReadAs {
+    /// The scene's records.
+    pub records: Buffers,
+    /// The path states.
+    pub paths: Buffers,
+}
+
+/// Entries of the kernel's traversal stack: those that the tree needs, in whole texels.
+pub fn stack_entries(accel: &Accel) -> u32 {
+    accel.stack_entries().next_multiple_of(STACK_ENTRIES_A_TEXEL)
+}
+
 /// A module and the values of its specialisation constants.
 #[derive(Clone, Debug)]
 pub struct Specialized {
@@ -76,15 +94,16 @@ pub fn specialized(
     accel: &Accel,
     tree: &TreeStats,
     effects: &Effects,
-    buffers: Buffers,
+    read_as: ReadAs,
     tuning: &Tuning,
 ) -> Specialized {
     let mut constants = vec![
         (SPEC_WORKGROUP_X, WORKGROUP[0]),
         (SPEC_WORKGROUP_Y, WORKGROUP[1]),
-        (SPEC_STORAGE_RECORDS, u32::from(buffers == Buffers::Storage)),
+        (SPEC_STORAGE_RECORDS, u32::from(read_as.records == Buffers::Storage)),
+        (SPEC_STORAGE_PATHS, u32::from(read_as.paths == Buffers::Storage)),
         (SPEC_ACCEL, accel_value(settings.accel)),
-        (SPEC_STACK_ENTRIES, accel.stack_entries()),
+        (SPEC_STACK_ENTRIES, stack_entries(accel)),
         (SPEC_INTERSECTOR, intersector_value(settings.intersector)),
         (SPEC_SAMPLER, sampler_value(settings.sampler)),
         (SPEC_LIGHTS, lights_value(settings.lights)),

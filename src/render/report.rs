@@ -121,7 +121,7 @@ pub struct RenderReport {
     pub node_visits: u64,
     /// Triangle tests of all rays.
     pub triangle_tests: u64,
-    /// How the records were bound: storage buffers where one is too large for the device's texel buffers.
+    /// How the records were read: storage buffers where one is too large for the device's texel buffers.
     pub buffers: Buffers,
     /// Estimated relative RMSE of the picture; `None` before every pixel has two blocks, and for the `table` sampler, whose
     /// replicates share one table and are not independent.

@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use crate::bvh::{Accel, TreeStats};
+use crate::bvh::TreeStats;
 use crate::error::Result;
 use crate::film::Film;
 use crate::gpu::{BindGroup, Buffer, BufferUse, Context, DeviceKind, Ledger, Memory, Readback, Resource};
@@ -13,8 +13,9 @@ use crate::interface::*;
 use crate::render::effects::Effects;
 use crate::render::ending::EstimateClock;
 use crate::render::frames::{CAUSE_NAMES, COUNTER_BYTES, INVALID_KIND_NAMES, Renderer};
-use crate::render::kernel::{self, Constants};
+use crate::render::kernel::{self, Constants, ReadAs};
 use crate::render::pace::{Pace, RunLength};
+use crate::render::path_buffers::PathBuffers;
 use crate::render::report::{Bytes, RenderReport, StageSeconds, StopReason};
 use crate::render::stop::{Looks, StopRules};
 use crate::render::tiles::{self, SUM_BYTES};
@@ -52,6 +53,15 @@ impl Renderer {
         let gpu_scene = GpuScene::upload(context, &data, buffers, &mut ledger)?;
         seconds.upload = start.elapsed().as_secs_f64();
 
+        let stack_entries = kernel::stack_entries(&accel);
+        let tile_size = match tuning.tile {
+            Some(size) => size,
+            None => tile_size(context, settings, stack_entries)?,
+        };
+        let tile_pixels = u64::from(tile_size[0]) * u64::from(tile_size[1]);
+        let wanted = tuning.path_buffers.unwrap_or(settings.buffers);
+        let paths = PathBuffers::new(context, tile_pixels, stack_entries, wanted, gpu_scene.null_texel())?;
+
         let start = Instant::now();
         let mut effects = Effects::of(scene, settings);
         if let Some(effect) = tuning.without_effect {
@@ -60,22 +70,17 @@ impl Renderer {
         if let Some(effect) = tuning.with_effect {
             effects = effects.with(effect);
         }
-        let kernel = kernel::specialized(context, settings, &accel, &tree, &effects, buffers, tuning);
+        let read_as = ReadAs { records: buffers, paths: paths.read_as };
+        let kernel = kernel::specialized(context, settings, &accel, &tree, &effects, read_as, tuning);
         let pipeline = kernel::path_tracer(context, &kernel)?;
         seconds.pipeline = start.elapsed().as_secs_f64();
 
-        let tile_size = match tuning.tile {
-            Some(size) => size,
-            None => tile_size(context, settings, &accel)?,
-        };
-        let tile_pixels = u64::from(tile_size[0]) * u64::from(tile_size[1]);
         let device =
             |name, bytes| Buffer::new(context, name, bytes, BufferUse { texel: false, storage: true }, Memory::Device);
-        let paths = device("path states", tile_pixels * tiles::path_bytes(accel.stack_entries()))?;
         let sums = device("open sums", tile_pixels * SUM_BYTES)?;
         let counters = device("counters", COUNTER_BYTES)?;
         let mut resources = gpu_scene.resources().to_vec();
-        resources.push((BINDING_PATHS, Resource::Storage(paths)));
+        resources.extend_from_slice(paths.resources());
         resources.push((BINDING_SUMS, Resource::Storage(sums.clone())));
         resources.push((BINDING_COUNTERS, Resource::Storage(counters.clone())));
         let bind_group = BindGroup::new(&pipeline, &resources)?;
@@ -112,12 +117,12 @@ impl Renderer {
 }
 
 /// Half of the heap that the scene has left is for the paths.
-fn tile_size(context: &Context, settings: &Settings, accel: &Accel) -> Result<[u32; 2]> {
+fn tile_size(context: &Context, settings: &Settings, stack_entries: u32) -> Result<[u32; 2]> {
     let limits = context.device_info();
     let [_, _, width, height] = settings.region();
     let in_one_buffer = limits.max_storage_buffer_range.min(limits.max_memory_allocation_size);
     let memory = limits.device_heap_bytes().saturating_sub(context.device_bytes()) / 2;
-    tiles::largest_tile(width, height, accel.stack_entries(), in_one_buffer, memory)
+    tiles::largest_tile(width, height, stack_entries, in_one_buffer, memory)
 }
 
 fn constants(scene: &Scene, settings: &Settings, data: &TexelData, replicates: u32) -> Constants {

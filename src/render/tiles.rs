@@ -5,7 +5,7 @@
 //! depend on how it is cut.
 
 use crate::error::{Error, Result};
-use crate::interface::{LISTS, PATH_WORDS, STACK_ENTRY_WORDS};
+use crate::interface::{LISTS, PATH_TEXELS, STACK_ENTRIES_A_TEXEL};
 
 /// A rectangle of pixels of the whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,16 +27,19 @@ impl Tile {
     }
 }
 
-/// Bytes of a pixel's path state with a traversal stack of `stack_entries`, and of its places in the lists of pixels.
+/// Bytes of a pixel's path state with a traversal stack of `stack_entries`.
 pub fn path_bytes(stack_entries: u32) -> u64 {
-    4 * u64::from(PATH_WORDS + STACK_ENTRY_WORDS * stack_entries + LISTS)
+    16 * u64::from(PATH_TEXELS + stack_entries.div_ceil(STACK_ENTRIES_A_TEXEL))
 }
+
+/// Bytes of a pixel's places in the lists of pixels.
+pub const LIST_BYTES: u64 = 4 * LISTS as u64;
 
 /// Bytes of a pixel's open sum.
 pub const SUM_BYTES: u64 = 16;
 
-/// The largest tile of a `width` x `height` region whose path states take at most `buffer_bytes` in one buffer and, with the
-/// open sums, at most `memory_bytes` in all. Rows stay whole where one fits.
+/// The largest tile of a `width` x `height` region whose path states take at most `buffer_bytes` in one buffer and, with lists
+/// and open sums, at most `memory_bytes` in all. Rows stay whole where one fits.
 pub fn largest_tile(
     width: u32,
     height: u32,
@@ -45,11 +48,12 @@ pub fn largest_tile(
     memory_bytes: u64,
 ) -> Result<[u32; 2]> {
     let path = path_bytes(stack_entries);
-    let pixels = (buffer_bytes / path).min(memory_bytes / (path + SUM_BYTES));
+    let all = path + LIST_BYTES + SUM_BYTES;
+    let pixels = (buffer_bytes / path).min(memory_bytes / all);
     if pixels == 0 {
         return Err(Error::Limit {
             what: "memory for the path state of one pixel".into(),
-            need: format!("{} bytes", path + SUM_BYTES),
+            need: format!("{all} bytes"),
             have: format!("{} bytes", buffer_bytes.min(memory_bytes)),
         });
     }

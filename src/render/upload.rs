@@ -4,6 +4,8 @@
 //! kind that the scene does not call for gets no buffer: its bindings point at one shared null buffer, and the ledger says
 //! so. Every record buffer has two bindings, a texel view and a storage twin; the one that is not used is null as well.
 
+use std::sync::Arc;
+
 use crate::error::Result;
 use crate::gpu::{Buffer, BufferUse, Context, Ledger, Memory, Resource, TexelBuffer, Uploader};
 use crate::interface::{
@@ -16,6 +18,7 @@ use crate::texels::{Texel, TexelData};
 /// The scene on the device.
 pub struct GpuScene {
     resources: Vec<(u32, Resource)>,
+    null_texel: Arc<TexelBuffer>,
     /// How the records are bound.
     pub buffers: Buffers,
 }
@@ -40,8 +43,7 @@ fn records(data: &TexelData) -> [Record<'_>; 10] {
 
 /// Whether every record fits a texel buffer of this device; if not, storage buffers may.
 pub fn fits_texel_buffers(data: &TexelData, context: &Context) -> bool {
-    let most = context.device_info().max_texel_buffer_elements;
-    records(data).iter().all(|(_, _, texels, _)| texels.len() as u64 <= most)
+    records(data).iter().all(|(_, _, texels, _)| TexelBuffer::fits(context, size_of_val(*texels) as u64))
 }
 
 impl GpuScene {
@@ -76,7 +78,12 @@ impl GpuScene {
             resources.push((binding + STORAGE_TWIN, storage));
         }
         uploader.finish()?;
-        Ok(GpuScene { resources, buffers })
+        Ok(GpuScene { resources, null_texel, buffers })
+    }
+
+    /// What to bind as texels where there are none.
+    pub fn null_texel(&self) -> &Arc<TexelBuffer> {
+        &self.null_texel
     }
 
     /// What to bind, by binding number.

@@ -95,9 +95,8 @@ impl Probe<'_> {
         }
         uploader.finish()?;
         let mut resources = scene.resources().to_vec();
-        resources.extend(
-            [BINDING_PATHS, BINDING_SUMS, BINDING_COUNTERS].map(|number| (number, Resource::Storage(scratch.clone()))),
-        );
+        resources.push((BINDING_PATHS, Resource::Texel(scene.null_texel().clone())));
+        resources.extend(kernel::WRITTEN_BINDINGS.map(|number| (number, Resource::Storage(scratch.clone()))));
         resources.push((BINDING_PROBE_INPUT, Resource::Storage(input)));
         resources.push((BINDING_PROBE_OUTPUT, Resource::Storage(output.clone())));
         let group = BindGroup::new(&pipeline, &resources)?;

@@ -17,7 +17,8 @@ use crate::Result;
 use crate::gpu::{Context, Direction, Ledger};
 use crate::interface::EFFECTS;
 use crate::render::effects::EFFECT_NAMES;
-use crate::render::{Effects, Tuning, build_accel, kernel};
+use crate::render::kernel::{self, ReadAs};
+use crate::render::{Effects, Tuning, build_accel};
 use crate::report::{Bars, Block};
 use crate::scene::Scene;
 use crate::settings::Settings;
@@ -131,8 +132,8 @@ impl EffectPrices {
         };
         let accel = build_accel(scene, settings);
         let tree = accel.stats(scene.triangles.len());
-        let kernel =
-            kernel::specialized(subject.context(), settings, &accel, &tree, &effects, settings.buffers, tuning);
+        let read_as = ReadAs { records: settings.buffers, paths: settings.buffers };
+        let kernel = kernel::specialized(subject.context(), settings, &accel, &tree, &effects, read_as, tuning);
         let mut values = Values::new();
         values.extend(instructions::count(&kernel)?.map(|count| ("instructions", count as f64)));
         if let Case::Without(effect) = case

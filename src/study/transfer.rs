@@ -1,7 +1,7 @@
 //! The study of transfer: what moving bytes between host and device takes, and how much of a render it is.
 //!
 //! Comes in: scenes and a device. Goes out: rows of two kinds. `copies`: gigabytes a second by size, way, number of copies in flight, kind
-//! of buffer and, for writes and reads in place, memory type. The scenes: a whole render with its records in texel buffers or storage
+//! of buffer and, for writes and reads in place, memory type. The scenes: a whole render that reads records and path states from texel buffers or storage
 //! buffers, and the shares of upload and readback in it.
 
 mod copies;
@@ -259,7 +259,7 @@ fn shares(rows: &Rows, scene: &str) -> Account {
     ) {
         account.findings.push(format!(
             "{scene}: packing and upload take {:.2} % of a render's time, waiting for and adding up what comes back {:.2} %; a path takes \
-             {} times as long with the records in storage buffers as in texel buffers.",
+             {} times as long with records and path states read from storage buffers as from texel buffers.",
             100.0 * up / (up + render),
             100.0 * down / (up + render),
             digits(storage / path)
