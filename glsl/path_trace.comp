@@ -101,9 +101,8 @@ void main() {
     }
     uint tile_pixel = place.y * push.tile_width + place.x;
     uvec2 pixel = place + uvec2(push.tile_x, push.tile_y);
-    // A device that runs both sides of a branch fetches a state where a run begins, too, and so maps memory that nobody has written
-    // yet, once to read it and once more to write: always the first state then. (As `begins ? 0u : tile_pixel` it would be
-    // moved to where `begins` is known.)
+    // A device that runs both sides of a branch fetches a state where a run begins, too: always the first one then, which is in its
+    // caches. (As `begins ? 0u : tile_pixel` it would be moved to where `begins` is known.)
     uint loaded = tile_pixel * (1u - min(push.flags & DISPATCH_BEGINS_RUN, 1u));
 
     Path path;

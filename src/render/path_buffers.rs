@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::gpu::{Buffer, BufferUse, Context, Memory, Resource, TexelBuffer};
+use crate::gpu::{Buffer, BufferUse, Context, InFlight, Memory, Recorder, Resource, TexelBuffer};
 use crate::interface::{BINDING_LISTS, BINDING_PATHS, BINDING_PATHS_WRITTEN};
 use crate::render::tiles::{LIST_BYTES, path_bytes};
 use crate::settings::Buffers;
@@ -15,6 +15,7 @@ use crate::settings::Buffers;
 /// Path states and lists of a tile.
 pub struct PathBuffers {
     resources: [(u32, Resource); 3],
+    written: Arc<Buffer>,
     /// How the states are read.
     pub read_as: Buffers,
 }
@@ -42,10 +43,18 @@ impl PathBuffers {
         };
         let resources = [
             (BINDING_PATHS, Resource::Texel(view)),
-            (BINDING_PATHS_WRITTEN, Resource::Storage(written)),
+            (BINDING_PATHS_WRITTEN, Resource::Storage(written.clone())),
             (BINDING_LISTS, Resource::Storage(storage("lists of pixels", pixels * LIST_BYTES)?)),
         ];
-        Ok(PathBuffers { resources, read_as })
+        Ok(PathBuffers { resources, written, read_as })
+    }
+
+    /// Has the device clear the states, which need not be clear: a system that hands out memory when it is first touched does so
+    /// now, on another core than the one that makes the pipeline.
+    pub fn clear(&self, context: &Context) -> Result<InFlight> {
+        let mut recorder = Recorder::new(context, "clear path states")?;
+        recorder.fill(&self.written, 0, self.written.size_bytes(), 0)?;
+        recorder.submit()
     }
 
     /// What to bind, by binding number.

@@ -61,6 +61,7 @@ impl Renderer {
         let tile_pixels = u64::from(tile_size[0]) * u64::from(tile_size[1]);
         let wanted = tuning.path_buffers.unwrap_or(settings.buffers);
         let paths = PathBuffers::new(context, tile_pixels, stack_entries, wanted, gpu_scene.null_texel())?;
+        let clearing = paths.clear(context)?;
 
         let start = Instant::now();
         let mut effects = Effects::of(scene, settings);
@@ -74,6 +75,7 @@ impl Renderer {
         let kernel = kernel::specialized(context, settings, &accel, &tree, &effects, read_as, tuning);
         let pipeline = kernel::path_tracer(context, &kernel)?;
         seconds.pipeline = start.elapsed().as_secs_f64();
+        clearing.wait()?;
 
         let device =
             |name, bytes| Buffer::new(context, name, bytes, BufferUse { texel: false, storage: true }, Memory::Device);
