@@ -4,8 +4,10 @@
 //! is the exact union of its children's, a parent stands before its children, a left subtree before the right one, and
 //! there are at most [`MAX_TREE_DEPTH`](crate::interface::MAX_TREE_DEPTH) levels of inner nodes.
 
+use rayon::prelude::*;
+
 use super::median::Median;
-use super::primitive::primitives;
+use super::primitive::{Primitive, primitives};
 use super::sah::BinnedSah;
 use super::subdivide::subdivide;
 use super::{BinaryBvh, BinaryNode, Builder};
@@ -30,7 +32,7 @@ impl BinaryBvh {
             Builder::Sah => subdivide(&mut primitives, leaf, &BinnedSah),
             Builder::Median => subdivide(&mut primitives, leaf, &Median),
         };
-        BinaryBvh { nodes, order: primitives.iter().map(|primitive| primitive.id()).collect(), depth }
+        BinaryBvh { nodes, order: primitives.par_iter().map(Primitive::id).collect(), depth }
     }
 }
 

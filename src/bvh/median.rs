@@ -6,27 +6,27 @@
 //! order in which the primitives came.
 
 use super::primitive::{Bounds, Primitive};
-use super::subdivide::Split;
+use super::subdivide::{Advice, Parts, Split};
 
 /// Cuts every range at its median.
 pub(super) struct Median;
 
 impl Split for Median {
-    fn split(&self, primitives: &mut [Primitive], bounds: &Bounds, leaf_triangles: usize) -> Option<usize> {
-        (primitives.len() > leaf_triangles).then(|| halve(primitives, bounds))
+    fn split(&self, primitives: &mut [Primitive], bounds: &Bounds, leaf_triangles: usize) -> Advice {
+        if primitives.len() > leaf_triangles { Advice::Cut(halve(primitives, bounds)) } else { Advice::Leaf }
     }
 }
 
 /// Reorders a range so that no centre of its first half lies above one of its second, along the longest axis of the
-/// centres' bounds; returns the length of the first half, half of the range rounded down.
-pub(super) fn halve(primitives: &mut [Primitive], bounds: &Bounds) -> usize {
+/// centres' bounds. The first half is half of the range rounded down.
+pub(super) fn halve(primitives: &mut [Primitive], bounds: &Bounds) -> Parts {
     let axis = bounds.longest_axis();
     let middle = primitives.len() / 2;
     if middle > 0 {
         primitives.select_nth_unstable_by(middle, |a, b| {
-            let (a_centre, b_centre) = (a.centre_twice()[axis], b.centre_twice()[axis]);
+            let (a_centre, b_centre) = (a.centre_twice_on(axis), b.centre_twice_on(axis));
             a_centre.total_cmp(&b_centre).then(a.id().cmp(&b.id()))
         });
     }
-    middle
+    Parts::at(middle, primitives)
 }

@@ -39,6 +39,11 @@ impl Primitive {
         self.low + self.high
     }
 
+    /// The same on one axis.
+    pub fn centre_twice_on(&self, axis: usize) -> f32 {
+        self.low[axis] + self.high[axis]
+    }
+
     /// The box.
     pub fn box4(&self) -> Box4 {
         Box4 { low: self.low, high: self.high }
@@ -100,14 +105,21 @@ impl Bounds {
     fn scan(primitives: &[Primitive]) -> Bounds {
         let mut bounds = Bounds::empty();
         for primitive in primitives {
-            let centre = primitive.centre_twice();
-            bounds.boxes.grow(primitive.box4());
-            bounds.centres.grow(Box4 { low: centre, high: centre });
+            bounds.grow(primitive);
         }
         bounds
     }
 
-    fn empty() -> Bounds {
+    /// Grows to cover one more primitive.
+    #[inline(always)]
+    pub fn grow(&mut self, primitive: &Primitive) {
+        let centre = primitive.centre_twice();
+        self.boxes.grow(primitive.box4());
+        self.centres.grow(Box4 { low: centre, high: centre });
+    }
+
+    /// Of nothing.
+    pub fn empty() -> Bounds {
         Bounds { boxes: Box4::EMPTY, centres: Box4::EMPTY }
     }
 

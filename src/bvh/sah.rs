@@ -8,12 +8,14 @@
 use glam::Vec4;
 
 use super::primitive::{Bounds, Box4, Primitive, fold};
-use super::subdivide::Split;
+use super::subdivide::{Advice, Parts, Split};
 
 /// Bins an axis.
 const BINS: usize = 16;
 /// Longest range that is cut exactly. Sweeping so few centres is cheaper than sweeping all the bins.
 const EXACT: usize = 8;
+/// 2^23: adding it leaves the rounded integer in the low bits of the significand, which is cheaper than a checked conversion.
+const TO_BITS: f32 = 8_388_608.0;
 /// Cost of visiting an inner node of the binary tree, in triangle tests.
 pub(super) const NODE_COST: f32 = 1.0;
 
@@ -21,21 +23,20 @@ pub(super) const NODE_COST: f32 = 1.0;
 pub(super) struct BinnedSah;
 
 impl Split for BinnedSah {
-    fn split(&self, primitives: &mut [Primitive], bounds: &Bounds, leaf_triangles: usize) -> Option<usize> {
+    fn split(&self, primitives: &mut [Primitive], bounds: &Bounds, leaf_triangles: usize) -> Advice {
         let count = primitives.len();
         if count == 2 && leaf_triangles < 2 {
-            return Some(1);
+            return Advice::Cut(Parts::at(1, primitives));
         }
         let cut = if count <= EXACT { exact_cut(primitives) } else { binned_cut(primitives, bounds) };
         if count <= leaf_triangles {
             let area = bounds.boxes.half_area();
             let split_cost = cut.as_ref().map_or(f32::INFINITY, |cut| NODE_COST * area + cut.cost);
             if area * count as f32 <= split_cost {
-                return None;
+                return Advice::Leaf;
             }
         }
-        // No cut found: the middle stands in for it (0 is not a cut).
-        Some(cut.map_or(0, |cut| cut.carry_out(primitives, bounds)))
+        cut.map_or(Advice::NoCut, |cut| Advice::Cut(cut.carry_out(primitives, bounds)))
     }
 }
 
@@ -49,28 +50,31 @@ struct Cut {
 }
 
 impl Cut {
-    /// Reorders the range; returns the length of the first part.
-    fn carry_out(&self, primitives: &mut [Primitive], bounds: &Bounds) -> usize {
+    /// Reorders the range.
+    fn carry_out(&self, primitives: &mut [Primitive], bounds: &Bounds) -> Parts {
         if primitives.len() <= EXACT {
             let axis = self.axis;
             primitives.sort_unstable_by(|a, b| {
-                let (a_centre, b_centre) = (a.centre_twice()[axis], b.centre_twice()[axis]);
+                let (a_centre, b_centre) = (a.centre_twice_on(axis), b.centre_twice_on(axis));
                 a_centre.total_cmp(&b_centre).then(a.id().cmp(&b.id()))
             });
-            return self.at;
+            return Parts::at(self.at, primitives);
         }
         let grid = Grid::new(bounds);
-        let goes_left = |primitive: &Primitive| grid.bins(primitive)[self.axis] < self.at;
+        let goes_left = |primitive: &Primitive| grid.bin(primitive, self.axis) < self.at;
         let (mut left, mut right) = (0, primitives.len());
+        let mut parts = [Bounds::empty(); 2];
         loop {
             while left < right && goes_left(&primitives[left]) {
+                parts[0].grow(&primitives[left]);
                 left += 1;
             }
             while left < right && !goes_left(&primitives[right - 1]) {
                 right -= 1;
+                parts[1].grow(&primitives[right]);
             }
             if left >= right {
-                return left;
+                return Parts { middle: left, bounds: parts };
             }
             primitives.swap(left, right - 1);
         }
@@ -95,9 +99,15 @@ impl Grid {
     fn bins(&self, primitive: &Primitive) -> [usize; 3] {
         let bin = (primitive.centre_twice() - self.origin) * self.scale - Vec4::splat(0.5);
         let bin = bin.min(Vec4::splat((BINS - 1) as f32)).max(Vec4::ZERO);
-        // Adding 2^23 leaves the rounded integer in the low bits of the significand: cheaper than a checked conversion.
-        let bits = (bin + Vec4::splat(8_388_608.0)).to_array().map(|lane| lane.to_bits() as usize & (BINS - 1));
+        let bits = (bin + Vec4::splat(TO_BITS)).to_array().map(|lane| lane.to_bits() as usize & (BINS - 1));
         [bits[0], bits[1], bits[2]]
+    }
+
+    /// The bin on one axis, the same as that of [`Grid::bins`].
+    #[inline(always)]
+    fn bin(&self, primitive: &Primitive, axis: usize) -> usize {
+        let bin = (primitive.centre_twice_on(axis) - self.origin[axis]) * self.scale[axis] - 0.5;
+        (bin.min((BINS - 1) as f32).max(0.0) + TO_BITS).to_bits() as usize & (BINS - 1)
     }
 }
 
@@ -155,7 +165,7 @@ fn exact_cut(primitives: &[Primitive]) -> Option<Cut> {
         let mut ranked = [(0.0f32, 0usize); EXACT];
         for (index, primitive) in primitives.iter().enumerate() {
             // Insertion in the order that `carry_out` sorts by.
-            let centre = primitive.centre_twice()[axis];
+            let centre = primitive.centre_twice_on(axis);
             let mut rank = index;
             while rank > 0 {
                 let (other_centre, other) = ranked[rank - 1];
@@ -192,6 +202,39 @@ fn consider(axis: usize, length: usize, part: impl Fn(usize) -> (Box4, u32), bes
         let cost = bounds.half_area() * count as f32 + right_cost;
         if count > 0 && right_count > 0 && best.as_ref().is_none_or(|best| cost < best.cost) {
             *best = Some(Cut { axis, at, cost });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::primitive::primitives;
+    use crate::interface::NO_INDEX;
+    use crate::scene::Triangle;
+    use glam::Vec3;
+
+    #[test]
+    fn the_bin_on_one_axis_is_that_of_all_three() {
+        let hard = [0.0, -0.0, 1e-38, 1.0, 1.5, 15.99, 16.0, 1e30, f32::MAX, -1.0, f32::INFINITY, f32::NAN];
+        let points = hard.iter().chain(&[0.03, 0.47, 7.2, 11.0]).enumerate();
+        let triangles: Vec<Triangle> = points
+            .map(|(i, &x)| Triangle {
+                positions: [Vec3::new(x, 16.0 - x, i as f32); 3],
+                material: 0,
+                corners: NO_INDEX,
+            })
+            .collect();
+        let all = primitives(&triangles);
+        let extents = [Vec4::ZERO, Vec4::new(16.0, 1e-40, f32::INFINITY, 0.0), Vec4::splat(f32::NAN)];
+        for high in extents.into_iter().chain([Vec4::splat(32.0)]) {
+            let centres = Box4 { low: Vec4::ZERO, high };
+            let grid = Grid::new(&Bounds { boxes: centres, centres });
+            for primitive in &all {
+                let bins = grid.bins(primitive);
+                assert_eq!(bins, [0, 1, 2].map(|axis| grid.bin(primitive, axis)), "{primitive:?} {high}");
+                assert!(bins.iter().all(|&bin| bin < BINS));
+            }
         }
     }
 }

@@ -18,6 +18,8 @@
 //! so subtrees are built in parallel into disjoint slices, and where a node stands depends on the input alone. Leaves
 //! of several primitives leave gaps, closed by a last pass.
 
+use rayon::iter::ParallelIterator;
+
 use super::median;
 use super::primitive::{Bounds, Primitive};
 use super::{Aabb, BinaryNode};
@@ -28,9 +30,34 @@ const TASK: usize = 1 << 12;
 
 /// A rule that cuts a range in two.
 pub(super) trait Split: Sync {
-    /// Reorders the range and returns the length of its first part, or `None` where one leaf is better. Lengths of 0
-    /// or all are taken as having found no cut. Called with at least two primitives.
-    fn split(&self, primitives: &mut [Primitive], bounds: &Bounds, leaf_triangles: usize) -> Option<usize>;
+    /// Says what becomes of a range of at least two primitives, and reorders it where that is a cut.
+    fn split(&self, primitives: &mut [Primitive], bounds: &Bounds, leaf_triangles: usize) -> Advice;
+}
+
+/// What a rule makes of a range.
+pub(super) enum Advice {
+    /// One leaf is better than any cut.
+    Leaf,
+    /// The range has been cut.
+    Cut(Parts),
+    /// No cut was found; the middle stands in for it.
+    NoCut,
+}
+
+/// A range cut in two.
+pub(super) struct Parts {
+    /// Length of the first part.
+    pub middle: usize,
+    /// Bounds of the parts.
+    pub bounds: [Bounds; 2],
+}
+
+impl Parts {
+    /// Of a range whose first `middle` primitives are the first part.
+    pub fn at(middle: usize, primitives: &[Primitive]) -> Parts {
+        let (left, right) = primitives.split_at(middle);
+        Parts { middle, bounds: [Bounds::of(left), Bounds::of(right)] }
+    }
 }
 
 /// Builds the tree of all primitives.
@@ -43,10 +70,12 @@ pub(super) fn subdivide(
         return (Vec::new(), 0);
     }
     let gap = BinaryNode { bounds: Aabb::EMPTY, first: 0, count: 0 };
-    let mut nodes = vec![gap; 2 * primitives.len() - 1];
+    // By all threads: most of what it takes is the system's time for fresh memory.
+    let mut nodes: Vec<BinaryNode> = rayon::iter::repeat_n(gap, 2 * primitives.len() - 1).collect();
     let (root, below) = nodes.split_at_mut(1);
     let place = Place { node: &mut root[0], below, below_first: 1, first: 0, levels: MAX_TREE_DEPTH };
-    let depth = grow(primitives, place, leaf_triangles, rule);
+    let bounds = Bounds::of(primitives);
+    let depth = grow(primitives, &bounds, place, leaf_triangles, rule);
     if leaf_triangles > 1 {
         nodes = close_gaps(&nodes);
     }
@@ -66,19 +95,18 @@ struct Place<'a> {
     levels: u32,
 }
 
-fn grow(primitives: &mut [Primitive], place: Place, leaf_triangles: usize, rule: &impl Split) -> u32 {
-    let bounds = Bounds::of(primitives);
+fn grow(primitives: &mut [Primitive], bounds: &Bounds, place: Place, leaf_triangles: usize, rule: &impl Split) -> u32 {
     let count = primitives.len();
     place.node.bounds = bounds.boxes.aabb();
-    let wanted = if count < 2 { None } else { rule.split(primitives, &bounds, leaf_triangles) };
-    if wanted.is_none() && count <= leaf_triangles.max(1) {
-        place.node.first = place.first;
-        place.node.count = count as u32;
-        return 0;
-    }
-    let middle = match wanted {
-        Some(middle) if fits(count, middle, place.levels) => middle,
-        _ => median::halve(primitives, &bounds),
+    let advice = if count < 2 { Advice::Leaf } else { rule.split(primitives, bounds, leaf_triangles) };
+    let Parts { middle, bounds: [left_bounds, right_bounds] } = match advice {
+        Advice::Leaf if count <= leaf_triangles.max(1) => {
+            place.node.first = place.first;
+            place.node.count = count as u32;
+            return 0;
+        }
+        Advice::Cut(parts) if fits(count, parts.middle, place.levels) => parts,
+        _ => median::halve(primitives, bounds),
     };
     place.node.first = place.below_first;
     place.node.count = 0;
@@ -101,11 +129,10 @@ fn grow(primitives: &mut [Primitive], place: Place, leaf_triangles: usize, rule:
         first: place.first + middle as u32,
         levels: place.levels - 1,
     };
-    let (left_depth, right_depth) = if count >= TASK {
-        rayon::join(|| grow(left, left_place, leaf_triangles, rule), || grow(right, right_place, leaf_triangles, rule))
-    } else {
-        (grow(left, left_place, leaf_triangles, rule), grow(right, right_place, leaf_triangles, rule))
-    };
+    let grow_left = || grow(left, &left_bounds, left_place, leaf_triangles, rule);
+    let grow_right = || grow(right, &right_bounds, right_place, leaf_triangles, rule);
+    let (left_depth, right_depth) =
+        if count >= TASK { rayon::join(grow_left, grow_right) } else { (grow_left(), grow_right()) };
     1 + left_depth.max(right_depth)
 }
 
