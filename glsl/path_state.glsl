@@ -72,6 +72,7 @@ void store_path(Path path, uint pixel) {
     Traversal traversal = path.traversal;
     Hit best = traversal.best;
     uvec2 floats = floatBitsToUint(vec2(path.pdf, path.eta_scale));
+    // PATH_TEXELS fields, and the stack after them.
     store_texel(0u, pixel, uvec4(pack_first(path), path.bounce, floats));
     store_texel(1u, pixel, texel_of(path.o, path.skip));
     store_texel(2u, pixel, texel_of(path.d, path.skip_too));
@@ -84,13 +85,14 @@ void store_path(Path path, uint pixel) {
     // Constant bounds keep the stack in registers (traversal.glsl).
     for (uint i = 0u; i < STACK_ENTRIES / STACK_ENTRIES_A_TEXEL; i++) {
         if (i * STACK_ENTRIES_A_TEXEL < traversal.stack_size) {
-            store_texel(PATH_TEXELS + i, pixel, uvec4(stack[2u * i], stack[2u * i + 1u]));
+            store_texel(PATH_TEXELS + i, pixel, uvec4(stack[STACK_ENTRIES_A_TEXEL * i], stack[STACK_ENTRIES_A_TEXEL * i + 1u]));
         }
     }
 }
 
-// The state of a pixel that the last dispatch left unfinished. View and storage buffer are the same memory: a texel may be written only
-// after it is read, which holds as long as what is written to it is made of what it was (a path may end as it began).
+// The state of a pixel that the last dispatch left unfinished. View and storage buffer are one memory, which a compiler may take for
+// two, and so move a fetch behind a store. It cannot where every fetch is made before the loop that carries the path, and every
+// store after it: so load all of a path before `run_path`, store all of it afterwards, and neither in between.
 Path load_path(uint pixel) {
     uvec4 first = load_texel(0u, pixel);
     uvec4 o = load_texel(1u, pixel);
@@ -130,8 +132,8 @@ Path load_path(uint pixel) {
     for (uint i = 0u; i < STACK_ENTRIES / STACK_ENTRIES_A_TEXEL; i++) {
         if (i * STACK_ENTRIES_A_TEXEL < traversal.stack_size) {
             uvec4 entries = load_texel(PATH_TEXELS + i, pixel);
-            stack[2u * i] = entries.xy;
-            stack[2u * i + 1u] = entries.zw;
+            stack[STACK_ENTRIES_A_TEXEL * i] = entries.xy;
+            stack[STACK_ENTRIES_A_TEXEL * i + 1u] = entries.zw;
         }
     }
     path.traversal = traversal;

@@ -182,8 +182,8 @@ pub const CAUSES: u32 = 8;
 
 // ---- Path state of an unfinished pixel: texel `field * tile_pixels + pixel` (glsl/path_state.glsl) -----------------
 
-/// Texels of a path state without its traversal stack: phase, flags and counts; `o`, `d`, `wi`, `pending`, `throughput` and
-/// `radiance`, each with a word of something else; where the traversal stands. The stack follows.
+/// Texels of a path state without its traversal stack: phase, flags and counts, `pdf` and `eta_scale`; `o`, `d`, `wi`, `pending`,
+/// `throughput` and `radiance`, each with a word of something else; two of where the traversal stands. The stack follows.
 pub const PATH_TEXELS: u32 = 9;
 /// Entries of the traversal stack in a texel; a stack has whole texels.
 pub const STACK_ENTRIES_A_TEXEL: u32 = 2;

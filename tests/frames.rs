@@ -162,8 +162,11 @@ fn how_path_states_are_read_does_not_show() {
         let (scene, settings) = small(name, [29, 22], 3);
         // A small budget stores and loads each path many times.
         let tuned = |path_buffers| Tuning { path_buffers: Some(path_buffers), budget: Some(64), ..Tuning::default() };
-        let [texel, storage] = [Buffers::Texel, Buffers::Storage]
-            .map(|path_buffers| bits(&render_tuned(&scene, &settings, &tuned(path_buffers))));
+        let [texel, storage] = [Buffers::Texel, Buffers::Storage].map(|path_buffers| {
+            let rendered = render_tuned(&scene, &settings, &tuned(path_buffers));
+            assert_eq!(rendered.report.path_buffers, path_buffers, "{name}");
+            bits(&rendered)
+        });
         assert_same(&texel, &storage, name);
         assert_same(&texel, &bits(&render(&scene, &settings)), name);
     }

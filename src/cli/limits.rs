@@ -24,7 +24,7 @@ pub fn lines(info: &DeviceInfo) -> Vec<String> {
         (
             "texel buffer",
             format!("{} texels", info.max_texel_buffer_elements),
-            format!("largest record buffer: {}", bytes(16 * info.max_texel_buffer_elements)),
+            format!("records, path states: {} a buffer", bytes(16 * info.max_texel_buffer_elements)),
         ),
         (
             "storage buffer",

@@ -24,6 +24,11 @@ pub fn warnings(facts: &Facts) -> Vec<String> {
         warnings
             .push("warning: a record is too large for this device's texel buffers: storage buffers are used".into());
     }
+    if report.path_buffers != facts.settings.buffers {
+        warnings.push(
+            "warning: path states are too large for this device's texel buffers: they are read from storage".into(),
+        );
+    }
     if facts.empty_pixels > 0 && report.spp > 0 {
         warnings.push(format!("warning: {} pixels have no valid sample and are black", facts.empty_pixels));
     }

@@ -182,7 +182,8 @@ impl Renderer {
         recorder.barrier(Barrier::ComputeToTransfer)?;
         recorder.barrier(Barrier::TransferToTransfer)?;
         recorder.fill(&self.counters, 0, COUNTER_BYTES, 0)?;
-        // The counters are cleared, and the copy of the last tile's sums has read them, before this frame's shader writes.
+        // The counters are cleared, the path states are touched (path_buffers.rs), and the copy of the last tile's sums has read
+        // them, before this frame's shader writes.
         recorder.barrier(Barrier::TransferToCompute)?;
         // The last frame's shader has written the path states, lists and sums that this one reads.
         recorder.barrier(Barrier::ComputeToCompute)?;

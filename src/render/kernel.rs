@@ -74,7 +74,7 @@ pub struct ReadAs {
 }
 
 /// Entries of the kernel's traversal stack: those that the tree needs, in whole texels.
-pub fn stack_entries(accel: &Accel) -> u32 {
+pub fn padded_stack_entries(accel: &Accel) -> u32 {
     accel.stack_entries().next_multiple_of(STACK_ENTRIES_A_TEXEL)
 }
 
@@ -103,7 +103,7 @@ pub fn specialized(
         (SPEC_STORAGE_RECORDS, u32::from(read_as.records == Buffers::Storage)),
         (SPEC_STORAGE_PATHS, u32::from(read_as.paths == Buffers::Storage)),
         (SPEC_ACCEL, accel_value(settings.accel)),
-        (SPEC_STACK_ENTRIES, stack_entries(accel)),
+        (SPEC_STACK_ENTRIES, padded_stack_entries(accel)),
         (SPEC_INTERSECTOR, intersector_value(settings.intersector)),
         (SPEC_SAMPLER, sampler_value(settings.sampler)),
         (SPEC_LIGHTS, lights_value(settings.lights)),

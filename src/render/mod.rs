@@ -11,7 +11,7 @@ pub mod guard;
 pub mod kernel;
 pub mod pace;
 pub mod pass;
-pub mod path_buffers;
+mod path_buffers;
 pub mod report;
 mod setup;
 pub mod stop;
@@ -64,7 +64,7 @@ pub struct Tuning {
     pub leave_eighths: Option<u32>,
     /// Triangles tested between two node visits, 1 or 2, or 0 for all of them; otherwise by the tree.
     pub tests_a_visit: Option<u32>,
-    /// How path states are read; otherwise as the settings say of the records.
+    /// How path states are read, where they fit; otherwise as the settings say.
     pub path_buffers: Option<Buffers>,
     /// An effect (`interface::EFFECT_*`) to leave out though the scene calls for it: the control of the effects test.
     pub without_effect: Option<u32>,

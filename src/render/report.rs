@@ -79,7 +79,7 @@ pub struct StageSeconds {
     pub bvh: f64,
     /// Packing texels and copying them to the device.
     pub upload: f64,
-    /// Making the pipeline (the driver's compiler included, as far as it runs then).
+    /// Making the pipeline (the driver's compiler included, as far as it runs then) and the path states' memory.
     pub pipeline: f64,
     /// From the first dispatch to the end of the last run and of the last look at the error.
     pub render: f64,
@@ -123,6 +123,8 @@ pub struct RenderReport {
     pub triangle_tests: u64,
     /// How the records were read: storage buffers where one is too large for the device's texel buffers.
     pub buffers: Buffers,
+    /// How the path states were read: the same, for a tile of them.
+    pub path_buffers: Buffers,
     /// Estimated relative RMSE of the picture; `None` before every pixel has two blocks, and for the `table` sampler, whose
     /// replicates share one table and are not independent.
     pub relative_rmse: Option<f64>,

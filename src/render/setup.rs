@@ -53,17 +53,17 @@ impl Renderer {
         let gpu_scene = GpuScene::upload(context, &data, buffers, &mut ledger)?;
         seconds.upload = start.elapsed().as_secs_f64();
 
-        let stack_entries = kernel::stack_entries(&accel);
+        let stack_entries = kernel::padded_stack_entries(&accel);
         let tile_size = match tuning.tile {
             Some(size) => size,
             None => tile_size(context, settings, stack_entries)?,
         };
         let tile_pixels = u64::from(tile_size[0]) * u64::from(tile_size[1]);
         let wanted = tuning.path_buffers.unwrap_or(settings.buffers);
-        let paths = PathBuffers::new(context, tile_pixels, stack_entries, wanted, gpu_scene.null_texel())?;
-        let clearing = paths.clear(context)?;
 
         let start = Instant::now();
+        let paths = PathBuffers::new(context, tile_pixels, stack_entries, wanted, gpu_scene.null_texel())?;
+        let touched = paths.touch(context)?;
         let mut effects = Effects::of(scene, settings);
         if let Some(effect) = tuning.without_effect {
             effects = effects.without(effect);
@@ -74,8 +74,10 @@ impl Renderer {
         let read_as = ReadAs { records: buffers, paths: paths.read_as };
         let kernel = kernel::specialized(context, settings, &accel, &tree, &effects, read_as, tuning);
         let pipeline = kernel::path_tracer(context, &kernel)?;
+        if let Some(touched) = touched {
+            touched.wait()?;
+        }
         seconds.pipeline = start.elapsed().as_secs_f64();
-        clearing.wait()?;
 
         let device =
             |name, bytes| Buffer::new(context, name, bytes, BufferUse { texel: false, storage: true }, Memory::Device);
@@ -90,7 +92,7 @@ impl Renderer {
         let region_pixels = width as usize * height as usize;
         Ok(Renderer {
             constants: constants(scene, settings, &data, replicates),
-            report: empty_report(&effects, seconds, buffers, tree),
+            report: empty_report(&effects, seconds, read_as, tree),
             context: context.clone(),
             settings: settings.clone(),
             effects,
@@ -141,7 +143,7 @@ fn constants(scene: &Scene, settings: &Settings, data: &TexelData, replicates: u
     }
 }
 
-fn empty_report(effects: &Effects, seconds: StageSeconds, buffers: Buffers, tree: TreeStats) -> RenderReport {
+fn empty_report(effects: &Effects, seconds: StageSeconds, read_as: ReadAs, tree: TreeStats) -> RenderReport {
     RenderReport {
         spp: 0,
         stop_reason: StopReason::Spp,
@@ -150,7 +152,8 @@ fn empty_report(effects: &Effects, seconds: StageSeconds, buffers: Buffers, tree
         rays: 0,
         node_visits: 0,
         triangle_tests: 0,
-        buffers,
+        buffers: read_as.records,
+        path_buffers: read_as.paths,
         relative_rmse: None,
         error: None,
         seconds_per_sample: 0.0,

@@ -109,5 +109,13 @@ mod tests {
         assert_eq!(largest_tile(100, 100, 4, path * 5_000, u64::MAX).unwrap(), [100, 50]);
         assert_eq!(largest_tile(100, 100, 4, path * 60, u64::MAX).unwrap(), [60, 1]);
         assert!(largest_tile(100, 100, 4, path - 1, u64::MAX).is_err());
+        let all = path + LIST_BYTES + SUM_BYTES;
+        assert_eq!(largest_tile(100, 100, 4, u64::MAX, all * 5_000).unwrap(), [100, 50]);
+        assert_eq!(
+            largest_tile(100, 100, 4, u64::MAX, all * 5_000 - 1).unwrap(),
+            [100, 34],
+            "three bands of 49 rows or less"
+        );
+        assert!(largest_tile(100, 100, 4, u64::MAX, all - 1).is_err());
     }
 }

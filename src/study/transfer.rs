@@ -130,6 +130,7 @@ impl Transfer {
             ("seconds_device_down", device_seconds(Direction::Down)),
             ("seconds_render", seconds.render),
             ("us_per_path", 1e6 * seconds.render / report.paths as f64),
+            ("path_states_as_texels", f64::from(report.path_buffers == Buffers::Texel)),
         ]))
     }
 }
@@ -250,6 +251,8 @@ fn shares(rows: &Rows, scene: &str) -> Account {
     let mut account = Account::default();
     account.table(table);
     let texel = |value| median(Buffers::Texel, value);
+    // Path states do not fit every device's texel buffers; then both runs read them from storage.
+    let what = if texel("path_states_as_texels") == Some(1.0) { "records and path states" } else { "records" };
     if let (Some(up), Some(down), Some(render), Some(path), Some(storage)) = (
         texel("seconds_upload"),
         texel("seconds_readback"),
@@ -259,7 +262,7 @@ fn shares(rows: &Rows, scene: &str) -> Account {
     ) {
         account.findings.push(format!(
             "{scene}: packing and upload take {:.2} % of a render's time, waiting for and adding up what comes back {:.2} %; a path takes \
-             {} times as long with records and path states read from storage buffers as from texel buffers.",
+             {} times as long with {what} read from storage buffers as from texel buffers.",
             100.0 * up / (up + render),
             100.0 * down / (up + render),
             digits(storage / path)
