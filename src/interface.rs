@@ -287,9 +287,11 @@ pub const ROULETTE_FIXED: u32 = 2;
 
 /// Samples of a block.
 pub const BLOCK_SAMPLES: u32 = 16;
-/// Largest step budget of an invocation in a dispatch: lavapipe ends the loops of a vector of 8 lanes, silently, after
-/// 65,535 iterations in all.
+/// Largest step budget of an invocation in a dispatch: lavapipe ends the loops of a vector, here of [`BUDGET_LANES`], silently, after
+/// 65,535 iterations of all its lanes together.
 pub const MAX_STEP_BUDGET: u32 = 8191;
+/// Lanes of a vector for which step budgets of CPU devices are meant; wider ones have less for each lane.
+pub const BUDGET_LANES: u32 = 8;
 /// Step budget on CPU devices. A pass on which the last lanes leave a loop counts against the driver's limit without being a
 /// step: a lane alone may use two iterations a step, so half of the largest budget is within the limit whatever the lanes do.
 pub const CPU_STEP_BUDGET: u32 = 4000;

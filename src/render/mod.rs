@@ -52,7 +52,8 @@ pub struct Rendered {
 pub struct Tuning {
     /// Tile size in pixels; otherwise the largest that fits.
     pub tile: Option<[u32; 2]>,
-    /// Step budget of an invocation in a dispatch, 64 to 8191; otherwise by the clock.
+    /// Step budget of an invocation in a dispatch, 64 to 8191, less on a CPU whose vectors have more than 8 lanes; otherwise by the
+    /// clock.
     pub budget: Option<u32>,
     /// Samples of a run, 1 to 16; otherwise by the clock.
     pub run_samples: Option<u32>,

@@ -5,7 +5,8 @@
 
 use std::time::Duration;
 
-use crate::interface::{BLOCK_SAMPLES, CPU_STEP_BUDGET, MAX_STEP_BUDGET, MIN_STEP_BUDGET};
+use crate::gpu::{DeviceInfo, DeviceKind};
+use crate::interface::{BLOCK_SAMPLES, BUDGET_LANES, CPU_STEP_BUDGET, MAX_STEP_BUDGET, MIN_STEP_BUDGET};
 
 /// Rows and step budget of a submit.
 #[derive(Clone, Copy, Debug)]
@@ -24,12 +25,19 @@ pub struct Pace {
 impl Pace {
     /// The pace for a device, cautious at first: nothing is known of its speed. A CPU has no watchdog and loses time by
     /// leaving paths unfinished, so there rows alone follow the clock; a GPU wants all its lanes filled, so there rows grow
-    /// to the tile's height first, then the budget. `fixed_budget` pins the budget, for tests.
-    pub fn new(is_cpu: bool, fixed_budget: Option<u32>) -> Pace {
+    /// to the tile's height first, then the budget. `cpu_lanes` are those of a CPU's vectors, `None` for other devices;
+    /// `fixed_budget` pins the budget, for tests, as far as the driver's limit on loops allows.
+    pub fn new(cpu_lanes: Option<u32>, fixed_budget: Option<u32>) -> Pace {
+        let is_cpu = cpu_lanes.is_some();
+        let budget = match (cpu_lanes, fixed_budget) {
+            (Some(lanes), None) => a_lane(CPU_STEP_BUDGET, lanes),
+            (Some(lanes), Some(fixed)) => fixed.min(a_lane(MAX_STEP_BUDGET, lanes)),
+            (None, fixed) => fixed.unwrap_or(MIN_STEP_BUDGET),
+        };
         Pace {
             rows: if is_cpu { 16 } else { 32 },
             listed: if is_cpu { 1 << 13 } else { 1 << 16 },
-            budget: fixed_budget.unwrap_or(if is_cpu { CPU_STEP_BUDGET } else { MIN_STEP_BUDGET }),
+            budget,
             target: Duration::from_millis(if is_cpu { 250 } else { 50 }),
             adapts_budget: !is_cpu && fixed_budget.is_none(),
             samples: 1,
@@ -71,6 +79,21 @@ impl Pace {
             }
         }
     }
+}
+
+/// Lanes of a CPU device's vectors; `None` for other devices, whose loops have no limit.
+pub fn cpu_lanes(device: &DeviceInfo) -> Option<u32> {
+    (device.kind == DeviceKind::Cpu).then_some(device.subgroup_size)
+}
+
+/// The most steps that an invocation may take in a dispatch on a device.
+pub fn max_step_budget(device: &DeviceInfo) -> u32 {
+    cpu_lanes(device).map_or(MAX_STEP_BUDGET, |lanes| a_lane(MAX_STEP_BUDGET, lanes))
+}
+
+/// What is left of a step budget for each lane of a vector with more than [`BUDGET_LANES`].
+fn a_lane(budget: u32, lanes: u32) -> u32 {
+    (budget * BUDGET_LANES / lanes.max(BUDGET_LANES)).max(MIN_STEP_BUDGET)
 }
 
 /// Lengths of runs, which never cross a block's end: one sample first, for a picture soon, then as long as a run may take.
@@ -148,20 +171,29 @@ mod tests {
 
     #[test]
     fn a_submit_of_longer_runs_has_fewer_rows() {
-        let mut pace = Pace::new(true, None);
+        let mut pace = Pace::new(Some(8), None);
         pace.rows = 320;
         pace.begin_run(16);
         assert_eq!((pace.rows, pace.listed), (20, 512));
         pace.begin_run(1);
         assert_eq!(pace.rows, 320);
-        let mut pace = Pace::new(false, None);
+        let mut pace = Pace::new(None, None);
         pace.begin_run(16);
         assert_eq!(pace.rows, 32);
     }
 
     #[test]
+    fn the_lanes_of_a_cpus_vector_share_its_iterations() {
+        let budget = |lanes, fixed| Pace::new(lanes, fixed).budget;
+        assert_eq!([4, 8, 16, 32].map(|lanes| budget(Some(lanes), None)), [4000, 4000, 2000, 1000]);
+        assert_eq!([8, 16].map(|lanes| budget(Some(lanes), Some(8191))), [8191, 4095]);
+        assert_eq!((budget(Some(16), Some(64)), budget(Some(1 << 16), None)), (64, MIN_STEP_BUDGET));
+        assert_eq!((budget(None, Some(8191)), budget(None, None)), (8191, MIN_STEP_BUDGET));
+    }
+
+    #[test]
     fn submits_follow_the_clock() {
-        let mut pace = Pace::new(false, None);
+        let mut pace = Pace::new(None, None);
         for _ in 0..20 {
             pace.note(pace.rows.min(100), 100, Duration::from_millis(1));
         }

@@ -8,13 +8,13 @@ use std::time::Instant;
 use crate::bvh::TreeStats;
 use crate::error::Result;
 use crate::film::Film;
-use crate::gpu::{BindGroup, Buffer, BufferUse, Context, DeviceKind, Ledger, Memory, Readback, Resource};
+use crate::gpu::{BindGroup, Buffer, BufferUse, Context, Ledger, Memory, Readback, Resource};
 use crate::interface::*;
 use crate::render::effects::Effects;
 use crate::render::ending::EstimateClock;
 use crate::render::frames::{CAUSE_NAMES, COUNTER_BYTES, INVALID_KIND_NAMES, Renderer};
 use crate::render::kernel::{self, Constants, ReadAs};
-use crate::render::pace::{Pace, RunLength};
+use crate::render::pace::{self, Pace, RunLength};
 use crate::render::path_buffers::PathBuffers;
 use crate::render::report::{Bytes, RenderReport, StageSeconds, StopReason};
 use crate::render::stop::{Looks, StopRules};
@@ -103,7 +103,7 @@ impl Renderer {
             counter_readback: Readback::new(context, "counters readback", COUNTER_BYTES)?,
             sums,
             counters,
-            pace: Pace::new(context.device_info().kind == DeviceKind::Cpu, tuning.budget),
+            pace: Pace::new(pace::cpu_lanes(context.device_info()), tuning.budget),
             leave_eighths: tuning.leave_eighths.unwrap_or(kernel::leave_eighths(context.device_info().kind)),
             slice_pixels: tuning.slice_pixels,
             run_length: RunLength::new(tuning.run_samples),

@@ -9,6 +9,7 @@ use crate::gpu::{
 use crate::interface::*;
 use crate::render::guard::Guard;
 use crate::render::kernel::{self, Constants, Dispatch};
+use crate::render::pace::max_step_budget;
 use crate::render::pass::{Place, Slice};
 use crate::render::tiles::Tile;
 use crate::render::upload::{GpuScene, fits_texel_buffers};
@@ -115,7 +116,7 @@ impl Probe<'_> {
             slice: Slice::Rows { first: 0, count: 1 },
             fills: Place { list: 0, at: 0 },
             samples: [self.first_sample, self.calls],
-            budget: MAX_STEP_BUDGET,
+            budget: max_step_budget(context.device_info()),
             leave_eighths: 0,
         });
         for &(_, offset) in PUSH_CONSTANTS.iter().filter(|(name, _)| *name == "PUSH_FLAGS") {

@@ -12,7 +12,7 @@ use crate::gpu::{
     PipelineDesc, Readback, Recorder, Resource, Uploader, shaders,
 };
 use crate::interface::{
-    BINDING_PROBE_INPUT, BINDING_PROBE_OUTPUT, MAX_STEP_BUDGET, PUSH_CONSTANT_BYTES, PUSH_CONSTANTS,
+    BINDING_PROBE_INPUT, BINDING_PROBE_OUTPUT, BUDGET_LANES, MAX_STEP_BUDGET, PUSH_CONSTANT_BYTES, PUSH_CONSTANTS,
 };
 use crate::texels::Texel;
 use crate::{Error, Result};
@@ -26,9 +26,8 @@ pub const LOOPS: &str = "loops";
 const CALLS: usize = 64;
 /// Iterations that the probe's loop asks for.
 const ITERATIONS: u32 = 1 << 17;
-/// Iterations that the step budget needs: the lanes of a vector may loop one after the other, and on the driver that counts
-/// a vector's iterations together a vector has 8 lanes.
-const NEEDED_ITERATIONS: u32 = 8 * MAX_STEP_BUDGET;
+/// Iterations that the step budget needs: the lanes of a vector may loop one after the other, and a driver may count them together.
+const NEEDED_ITERATIONS: u32 = BUDGET_LANES * MAX_STEP_BUDGET;
 /// NaN questions of the kernel, by bit.
 const NAN_QUESTIONS: [&str; 5] = ["0 * inf", "inf - inf", "0 / 0", "inf / inf", "sqrt(-1)"];
 
