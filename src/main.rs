@@ -17,6 +17,7 @@ use cli::{Failure, Outcome};
 
 const INTERNAL: u8 = 1;
 const LIMIT_EXCEEDED: u8 = 1;
+const NOT_WRITTEN: u8 = 5;
 const TARGET_MISSED: u8 = 6;
 const INVALID_SAMPLES: u8 = 7;
 const SIGNAL: u8 = 128;
@@ -40,6 +41,10 @@ fn main() -> ExitCode {
         Ok(Ok(Outcome::LimitsExceeded(limits))) => {
             limits.iter().for_each(|limit| say(&format!("error: {limit}")));
             LIMIT_EXCEEDED
+        }
+        Ok(Ok(Outcome::NotWritten(failures))) => {
+            failures.iter().for_each(|failure| say(&format!("error: {failure}")));
+            NOT_WRITTEN
         }
         Ok(Ok(Outcome::Signal(signal))) => SIGNAL.saturating_add(signal),
         Ok(Err(Failure::Arguments(error))) => {

@@ -58,6 +58,16 @@ pub fn probe<T>(what: &str, count: usize) -> Result<()> {
     reserve(what, (size_of::<T>() as u64).saturating_mul(count as u64)).map(drop)
 }
 
+/// A list of `count` times `value` for `what`, or the refusal where there is no memory for it.
+pub fn filled<T: Clone>(what: &str, value: T, count: usize) -> Result<Vec<T>> {
+    let mut list = Vec::new();
+    if list.try_reserve_exact(count).is_err() {
+        return Err(refused(what, (size_of::<T>() as u64).saturating_mul(count as u64)));
+    }
+    list.resize(count, value);
+    Ok(list)
+}
+
 /// Address space that is held, untouched, until it is dropped: what is allocated right after that finds room for as
 /// many bytes, whatever else was allocated in between.
 #[derive(Debug)]
@@ -82,11 +92,14 @@ pub fn reserve(what: &str, bytes: u64) -> Result<Reservation> {
     match held.try_reserve_exact(count) {
         // The compiler may leave out an allocation that nothing looks at.
         Ok(()) => Ok(Reservation { held: std::hint::black_box(held) }),
-        Err(_) => {
-            let have = available().map(|(have, bound)| format!("{} at most and not in one piece", left(have, bound)));
-            Err(limit(what, bytes, have.as_deref().unwrap_or("less (the allocator refuses)")))
-        }
+        Err(_) => Err(refused(what, bytes)),
     }
+}
+
+/// The refusal of what the allocator could not give.
+fn refused(what: &str, bytes: u64) -> Error {
+    let have = available().map(|(have, bound)| format!("{} at most and not in one piece", left(have, bound)));
+    limit(what, bytes, have.as_deref().unwrap_or("less (the allocator refuses)"))
 }
 
 fn limit(what: &str, need: u64, have: &str) -> Error {
@@ -97,7 +110,8 @@ fn left(have: u64, bound: Bound) -> String {
     format!("{} {}", mebibytes(have), bound.name())
 }
 
-fn mebibytes(bytes: u64) -> String {
+/// Bytes in words.
+pub fn mebibytes(bytes: u64) -> String {
     format!("{:.1} MiB", bytes as f64 / (1u64 << 20) as f64)
 }
 

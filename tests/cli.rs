@@ -33,7 +33,7 @@ fn help(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-const OPTIONS: [&str; 38] = [
+const OPTIONS: [&str; 39] = [
     "--max-bias",
     "--aov",
     "--error-map",
@@ -66,6 +66,7 @@ const OPTIONS: [&str; 38] = [
     "--ledger",
     "--strict",
     "--no-clobber",
+    "--overwrite",
     "--json",
     "--quiet",
     "--verbose",

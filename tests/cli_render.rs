@@ -296,14 +296,6 @@ fn a_signal_saves_the_picture() {
     }
 }
 
-#[cfg(unix)]
-#[test]
-fn a_second_signal_quits_at_once() {
-    let (status, _, seconds) = interrupted(folder().path(), &["-TERM", "-TERM"]);
-    assert_eq!(status, Some(143));
-    assert!(seconds < Duration::from_secs(5), "{seconds:?}");
-}
-
 #[test]
 fn the_self_test_tells_of_each_case() {
     let folder = folder();

@@ -33,7 +33,7 @@ struct Cell {
 fn picture(scene: &Scene, seed: u64, spp: u32, target: Option<f64>) -> Picture {
     let side = SIDE as u32;
     let settings = Settings { width: side, height: side, spp, seed, ..Settings::for_scene(scene) };
-    let rules = StopRules { target: target.map(|error| Target { error, confidence: 0.95 }), time: None };
+    let rules = StopRules { target: target.map(|error| Target { error, confidence: 0.95 }), ..StopRules::default() };
     let renderer = Renderer::new(context(), scene, &settings, &Tuning::default()).unwrap().stop_by(rules);
     let rendered = renderer.render(&mut Silent).unwrap();
     let pixels = rendered.film.mean().into_iter().map(|pixel| pixel.map(f64::from)).collect();

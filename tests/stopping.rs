@@ -205,6 +205,49 @@ fn the_bias_of_the_cap_is_what_it_cuts_off() {
     assert_eq!(json(folder.path(), &capped, 0).0["bias"]["bounce_cap"], Value::Null);
 }
 
+/// A furnace of albedo 1 keeps paths alive to the last bounce, and the estimate of what the cap cuts off would take minutes: the limit
+/// holds for it too, and what it does not let be known is not kept.
+#[test]
+fn a_time_limit_holds_with_the_bias_of_the_cap() {
+    let _turn = turn();
+    let folder = folder(LAMP);
+    let furnace = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/furnace.toml")).unwrap();
+    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/furnace.obj");
+    let (furnace, _) = furnace.split_once("[material.wall]").unwrap();
+    let white = furnace.replace("furnace.obj", mesh) + "[material.wall]\nkd = [1, 1, 1]\nke = [1, 1, 1]\n";
+    fs::write(folder.path().join("white.toml"), white).unwrap();
+    for bounces in ["300", "1000"] {
+        let started = Instant::now();
+        let limited = [
+            "white.toml",
+            "--size",
+            "64x64",
+            "--max-bounces",
+            bounces,
+            "--time-limit",
+            "2s",
+            "--max-bias",
+            "1%",
+            "-o",
+            "w.exr",
+        ];
+        let (document, stderr) = json(folder.path(), &limited, 6);
+        let seconds = started.elapsed().as_secs_f64();
+        assert!(seconds < 2.5, "a limit of 2 s took {seconds} s at {bounces} bounces");
+        assert!(document["bias"]["bounce_cap"].is_null() && document["spp"].as_u64().unwrap() >= 1, "{document}");
+        let missing =
+            "--max-bias 1.00 % is not met: what the bounce cap cuts off is not known: the time limit ended before";
+        assert!(stderr.contains(missing), "{stderr}");
+        assert!(folder.path().join("w.exr").is_file());
+    }
+    // Where there is time for it, it is known, and the picture says so.
+    let (document, _) =
+        json(folder.path(), &["room.toml", "--time-limit", "8s", "--max-bias", "50%", "-o", "r.exr"], 0);
+    let share = document["bias"]["bounce_cap"].as_f64().unwrap();
+    let stored = texray::output::Stored::read(&folder.path().join("r.exr"));
+    assert_eq!(stored.get("bias_bounce_cap").unwrap().parse::<f64>().unwrap(), share);
+}
+
 #[test]
 fn refusals() {
     let _turn = turn();

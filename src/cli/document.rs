@@ -49,6 +49,7 @@ pub struct Document<'a> {
     bytes: Bytes,
     peak_rss_bytes: Option<u64>,
     outputs: Vec<String>,
+    not_written: Vec<String>,
     warnings: &'a [String],
 }
 
@@ -78,6 +79,8 @@ pub struct Facts<'a> {
     pub empty_pixels: usize,
     /// Files written.
     pub outputs: Vec<String>,
+    /// Why other files were not.
+    pub not_written: Vec<String>,
 }
 
 impl<'a> Document<'a> {
@@ -122,6 +125,7 @@ impl<'a> Document<'a> {
             bytes: report.bytes,
             peak_rss_bytes: process::peak_rss_bytes(),
             outputs: facts.outputs,
+            not_written: facts.not_written,
             warnings: &scene.report.warnings,
         }
     }

@@ -4,6 +4,7 @@
 //! of `gpu` and of the renderer goes through here.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::time::Instant;
 
 use serde::Serialize;
 use texray::film::Film;
@@ -82,8 +83,6 @@ pub struct Rendered {
     pub ledger_table: String,
     /// What validation complained about; empty without `--validation`.
     pub validation: Vec<String>,
-    /// What the bounce cap cuts off, once it is estimated.
-    pub cap_bias: Option<CapBias>,
 }
 
 /// A device, open.
@@ -147,9 +146,15 @@ impl Engine {
         self.context.validation().messages
     }
 
-    /// What the bounce cap cuts off; `None` where the observer stopped it.
-    pub fn cap_bias(&self, scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -> Result<Option<CapBias>> {
-        cap_bias(&self.context, scene, settings, observer)
+    /// What the bounce cap cuts off; `None` where the observer stopped it, or it would not have ended before `ends`.
+    pub fn cap_bias(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        ends: Option<Instant>,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<CapBias>> {
+        cap_bias(&self.context, scene, settings, ends, observer)
     }
 
     /// Renders until a rule ends it, on a device that passes the start-up probe.
@@ -169,7 +174,6 @@ impl Engine {
             ledger: to_json(&rendered.ledger)?,
             ledger_table: rendered.ledger.table(),
             validation: self.validation(),
-            cap_bias: None,
         })
     }
 }

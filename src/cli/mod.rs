@@ -3,6 +3,7 @@
 //! Comes in: the process's arguments. Goes out: an [`Outcome`] or a [`Failure`], which `main` turns into an exit code.
 //! One file a subcommand.
 
+mod bias;
 mod compare;
 mod devices;
 mod document;
@@ -11,6 +12,7 @@ mod engine;
 mod explain;
 mod limits;
 mod not_built;
+mod outputs;
 mod parse;
 mod process;
 mod progress;
@@ -40,6 +42,8 @@ pub enum Outcome {
     HardCasesFailed,
     /// A picture is further from its reference than the limits given allow: the limits that are not kept, in words.
     LimitsExceeded(Vec<String>),
+    /// The render is done, and these of its files could not be written; all others are.
+    NotWritten(Vec<texray::Error>),
     /// Stopped by this signal; what there was is saved.
     Signal(u8),
 }
@@ -78,6 +82,7 @@ enum Command {
 
 /// Runs the command that the process was started with, at `started`.
 pub fn run(started: Instant) -> Result<Outcome, Failure> {
+    signals::survive_large_files();
     let arguments = Arguments::try_parse().map_err(|error| match not_built::named_by(&error) {
         Some(name) => Failure::Command(texray::Error::Usage(format!("{name} is not built yet"))),
         None => Failure::Arguments(error),

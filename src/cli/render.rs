@@ -3,25 +3,23 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use clap::{ArgAction, Args};
-use texray::film::{Film, error_map};
-use texray::output::{
-    Aov, Display, Format, Layer, OutputFile, Picture, Tonemap, check_writable, encode_indexed_png, write_whole,
-};
-use texray::render::bounce_cap;
-use texray::render::{CapBias, Settings, StopRules, TimeRule};
+use clap::Args;
+use texray::render::bounce_cap::is_cheap;
+use texray::render::{Settings, StopReason, StopRules, TimeRule};
 use texray::scene::Scene;
 use texray::{Error, Result};
 
+use super::bias::Bias;
 use super::document::{Document, Facts};
 use super::dry_run::{DryRun, PILOT_SECONDS, PILOT_SPP};
 use super::engine::{self, Engine, Rendered};
+use super::outputs::{Ending, OutputArgs, Outputs, Saved};
 use super::progress::Reporter;
 use super::settings::SettingsArgs;
 use super::signals::Signals;
-use super::stop::StopArgs;
-use super::streams::{answer_json, json, say};
-use super::{Outcome, explain, parse, save, summary};
+use super::stop::{Limits, StopArgs};
+use super::streams::{answer_json, say};
+use super::{Outcome, explain, save, summary};
 
 /// Render a scene to picture files
 #[derive(Args)]
@@ -29,38 +27,14 @@ pub struct RenderArgs {
     /// The scene: a .toml scene or a bare .obj
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
-    /// Picture file, .exr, .png or .hdr; may be given several times [default: SCENE.exr and SCENE.png, here]
-    #[arg(short, long, value_name = "FILE", action = ArgAction::Append)]
-    output: Vec<PathBuf>,
-    /// Further layers of EXR files, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',')]
-    aov: Vec<Aov>,
-    /// Also write the standard error of each pixel as a picture of colours, .png (its text says what they mean)
-    #[arg(long, value_name = "FILE", value_parser = parse::png)]
-    error_map: Option<PathBuf>,
-    /// Do not overwrite files
-    #[arg(long)]
-    no_clobber: bool,
+    #[command(flatten)]
+    outputs: OutputArgs,
     #[command(flatten)]
     settings: SettingsArgs,
     #[command(flatten)]
     stop: StopArgs,
     #[command(flatten)]
-    display: DisplayArgs,
-    #[command(flatten)]
     running: RunningArgs,
-}
-
-/// Options that change 8-bit pictures only.
-#[derive(Args)]
-#[command(next_help_heading = "8-bit pictures")]
-struct DisplayArgs {
-    /// Exposure of 8-bit pictures in stops, -100 to 100
-    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = parse::exposure, allow_negative_numbers = true)]
-    exposure: f64,
-    /// Tone map of 8-bit pictures
-    #[arg(long, value_enum, default_value_t)]
-    tonemap: Tonemap,
 }
 
 /// Options about where and how it runs, and what it tells.
@@ -73,9 +47,6 @@ struct RunningArgs {
     /// Run under the Vulkan validation layers; a message is an internal error
     #[arg(long)]
     validation: bool,
-    /// Write the ledger of all transfers between CPU and GPU to this JSON file
-    #[arg(long, value_name = "FILE")]
-    ledger: Option<PathBuf>,
     /// Exit with code 7 if any sample was invalid
     #[arg(long)]
     strict: bool,
@@ -94,7 +65,7 @@ impl RenderArgs {
     /// Renders and writes. `started` is when the process began.
     pub fn run(&self, started: Instant) -> Result<Outcome> {
         let signals = Signals::watch()?;
-        self.check_files(None, &[])?;
+        self.outputs.check_early(&self.scene)?;
         let (scene, seconds_load) = self.load()?;
         if let Some(signal) = signals.received() {
             return Ok(Outcome::Signal(signal));
@@ -103,8 +74,8 @@ impl RenderArgs {
         if !self.settings.gives_spp() && (self.stop.time_limit.is_some() || self.stop.target().is_some()) {
             settings.spp = u32::MAX;
         }
-        let rules = self.stop.rules(&settings, started)?;
-        let files = self.check_files(Some(&scene.name), &scene.report.files)?;
+        let limits = self.stop.limits(&settings, started)?;
+        let outputs = self.outputs.outputs(&scene)?;
         let engine = Engine::open(self.running.device.as_deref(), self.running.validation)?;
         self.tell_before(&scene, &settings, &engine);
         let mut reporter = Reporter::new(self.running.quiet, signals.clone());
@@ -115,64 +86,39 @@ impl RenderArgs {
             DryRun::new(&settings, self.stop.target(), &pilot?, effects.iter().collect()).tell(self.running.json)?;
             return Ok(signals.received().map_or(Outcome::Done, Outcome::Signal));
         }
-        let rendered = engine.render(&scene, &settings, rules, &mut reporter);
+        // Held until the pictures are saved: the memory for that is not the driver's to take.
+        let reserved = outputs.reserve(&settings)?;
+        let rendered = engine.render(&scene, &settings, limits.rules, &mut reporter);
         reporter.finish();
+        drop(reserved);
         let mut rendered = rendered?;
         rendered.report.seconds.load = seconds_load;
-        rendered.cap_bias = self.cap_bias(&engine, &scene, &settings, rendered.report.spp, &signals)?;
-        self.finish(started, &scene, &settings, &engine, &files, &mut rendered)?;
-        if !rendered.validation.is_empty() {
-            rendered.validation.iter().for_each(|message| say(&format!("validation: {message}")));
-            return Err(Error::Internal(format!("{} validation messages", rendered.validation.len())));
-        }
-        let invalid = rendered.report.invalid_samples.values().sum();
-        Ok(match signals.received() {
-            Some(signal) => Outcome::Signal(signal),
-            None if self.running.strict && invalid > 0 => Outcome::InvalidSamples(invalid),
-            None => self.stop.missed(&rendered.report, rendered.cap_bias).map_or(Outcome::Done, Outcome::TargetMissed),
-        })
+        let of = Job { started, ended: Instant::now(), scene: &scene, settings: &settings, engine: &engine };
+        let mut saved = of.save(&outputs, &mut rendered)?;
+        // All that is optional comes after the pictures are safe.
+        let bias = self.bias(&of, &limits, &rendered, &signals);
+        of.save_bias(&bias, &rendered, &mut saved);
+        self.tell_after(&of, &mut rendered, &bias, &saved)?;
+        self.outcome(&signals, &rendered, &bias, saved)
     }
 
     /// The first few samples of a render, for a dry run.
     fn pilot(&self, engine: &Engine, scene: &Scene, settings: &Settings, reporter: &mut Reporter) -> Result<Rendered> {
         let end = Instant::now() + Duration::from_secs_f64(PILOT_SECONDS);
-        let rules = StopRules { target: None, time: Some(TimeRule { aim: end, latest: end }) };
+        let time = Some(TimeRule { aim: end, latest: end });
         let settings = Settings { spp: settings.spp.min(PILOT_SPP), ..settings.clone() };
-        engine.render(scene, &settings, rules, reporter)
+        engine.render(scene, &settings, StopRules { time, ..StopRules::default() }, reporter)
     }
 
     /// What the bounce cap cuts off, where it was asked for or costs little, and nobody waits for the end.
-    fn cap_bias(
-        &self,
-        engine: &Engine,
-        scene: &Scene,
-        settings: &Settings,
-        spp: u32,
-        signals: &Signals,
-    ) -> Result<Option<CapBias>> {
-        let unasked = self.stop.time_limit.is_none() && bounce_cap::is_cheap(scene, settings, spp);
-        if signals.received().is_some() || !(unasked || self.stop.max_bias.is_some()) {
-            return Ok(None);
+    fn bias(&self, of: &Job<'_>, limits: &Limits, rendered: &Rendered, signals: &Signals) -> Bias {
+        let (report, asked) = (&rendered.report, self.stop.max_bias.is_some());
+        let unasked = self.stop.time_limit.is_none() && is_cheap(of.scene, of.settings, report.spp);
+        if report.spp == 0 || signals.received().is_some() || !(asked || unasked) {
+            return Bias::Unknown;
         }
-        engine.cap_bias(scene, settings, &mut Reporter::new(true, signals.clone()))
-    }
-
-    /// Checks the files that will be written. Without `-o` their names are known once the scene's is, and the files that
-    /// the scene names (`meshes`) once it is read.
-    fn check_files(&self, scene_name: Option<&str>, meshes: &[PathBuf]) -> Result<Vec<OutputFile>> {
-        let files = save::check(&self.output, scene_name, self.no_clobber)?;
-        let ledger = self.running.ledger.as_deref();
-        let error_map = self.error_map.as_deref();
-        let paths: Vec<_> = files.iter().map(OutputFile::path).chain(ledger).chain(error_map).collect();
-        if !self.aov.is_empty() && scene_name.is_some() && files.iter().all(|file| file.format() != Format::Exr) {
-            return Err(Error::Usage("--aov: layers are for .exr files, and none is written".into()));
-        }
-        let scene: Vec<_> = std::iter::once(&self.scene).chain(meshes).map(PathBuf::as_path).collect();
-        save::check_distinct(&scene, &paths)?;
-        for path in ledger.into_iter().chain(error_map) {
-            check_writable(path, self.no_clobber)?;
-        }
-        Ok(files)
+        let mut reporter = Reporter::new(true, signals.clone());
+        Bias::estimate(of.engine, of.scene, of.settings, limits.bias_ends, &report.seconds, &mut reporter)
     }
 
     fn load(&self) -> Result<(Scene, f64)> {
@@ -198,80 +144,82 @@ impl RenderArgs {
         }
     }
 
-    /// Writes pictures and ledger, then tells about the render.
-    fn finish(
-        &self,
-        started: Instant,
-        scene: &Scene,
-        settings: &Settings,
-        engine: &Engine,
-        files: &[OutputFile],
-        rendered: &mut Rendered,
-    ) -> Result<()> {
-        let writing = Instant::now();
-        let relative_rmse = rendered.report.relative_rmse;
-        // Stopped before the first sample: there is no picture to save.
-        let files = if rendered.report.spp == 0 { &[] } else { files };
-        if !files.is_empty() {
-            let picture = self.picture(settings, &rendered.film)?;
-            let display = Display { exposure_stops: self.display.exposure, tonemap: self.display.tonemap };
-            let metadata = save::metadata(scene, settings, engine.device(), &rendered.report, rendered.cap_bias);
-            save::write(files, &picture, &display, &metadata)?;
-        }
-        if let Some(path) = &self.running.ledger {
-            write_whole(path, self.no_clobber, json(&rendered.ledger)?.as_bytes())?;
-        }
-        rendered.report.seconds.write = writing.elapsed().as_secs_f64();
-        rendered.report.seconds.total = started.elapsed().as_secs_f64();
+    fn tell_after(&self, of: &Job<'_>, rendered: &mut Rendered, bias: &Bias, saved: &Saved) -> Result<()> {
+        rendered.report.seconds.total = of.started.elapsed().as_secs_f64();
         let facts = Facts {
-            scene,
-            settings,
-            device: engine.device(),
+            scene: of.scene,
+            settings: of.settings,
+            device: of.engine.device(),
             report: &rendered.report,
-            relative_rmse,
-            cap_bias: rendered.cap_bias,
+            relative_rmse: rendered.report.relative_rmse,
+            cap_bias: bias.known(),
             empty_pixels: rendered.film.empty_pixels(),
-            outputs: self.written(files),
+            outputs: saved.files.clone(),
+            not_written: saved.failures.iter().map(Error::to_string).collect(),
         };
-        self.tell_after(&facts, rendered);
+        let warnings =
+            summary::warnings(&facts).into_iter().chain(bias.warning()).chain(saved.warnings(facts.report.spp));
+        warnings.for_each(|line| say(&line));
+        if !self.running.quiet {
+            if self.running.verbose {
+                say(&rendered.report.tree.to_string());
+                say(rendered.ledger_table.trim_end());
+            }
+            summary::lines(&facts).iter().for_each(|line| say(line));
+            let reason = self.stop.reason(facts.report, facts.settings.spp, of.ended - of.started);
+            let files = if facts.outputs.is_empty() { "nothing".into() } else { facts.outputs.join(", ") };
+            say(&format!("{reason}; wrote {files}"));
+        }
         if self.running.json { answer_json(&Document::new(facts)) } else { Ok(()) }
     }
 
-    /// Names of the pictures that were written.
-    fn written(&self, files: &[OutputFile]) -> Vec<String> {
-        let map = self.error_map.as_deref().filter(|_| !files.is_empty());
-        files.iter().map(OutputFile::path).chain(map).map(|path| path.display().to_string()).collect()
+    /// How it ended; what is worse goes before what is less bad.
+    fn outcome(&self, signals: &Signals, rendered: &Rendered, bias: &Bias, saved: Saved) -> Result<Outcome> {
+        let validation = &rendered.validation;
+        if !validation.is_empty() {
+            validation.iter().for_each(|message| say(&format!("validation: {message}")));
+            return Err(Error::Internal(format!("{} validation messages", validation.len())));
+        }
+        let invalid = rendered.report.invalid_samples.values().sum();
+        Ok(match signals.received() {
+            _ if !saved.failures.is_empty() => Outcome::NotWritten(saved.failures),
+            Some(signal) => Outcome::Signal(signal),
+            None if self.running.strict && invalid > 0 => Outcome::InvalidSamples(invalid),
+            None => self.stop.missed(&rendered.report, bias).map_or(Outcome::Done, Outcome::TargetMissed),
+        })
+    }
+}
+
+/// A render that has ended, and what it was of.
+struct Job<'a> {
+    /// When the process began.
+    started: Instant,
+    /// When the last sample was finished.
+    ended: Instant,
+    scene: &'a Scene,
+    settings: &'a Settings,
+    engine: &'a Engine,
+}
+
+impl Job<'_> {
+    /// Writes the files. Stopped before the first sample, there is no picture to save.
+    fn save(&self, outputs: &Outputs<'_>, rendered: &mut Rendered) -> Result<Saved> {
+        let writing = Instant::now();
+        let report = &rendered.report;
+        let cut_short = matches!(report.stop_reason, StopReason::TimeLimit | StopReason::Interrupted);
+        let (settings, film, ledger) = (self.settings, &rendered.film, &rendered.ledger);
+        let ending = Ending { settings, film, ledger, spp: report.spp, cut_short };
+        let metadata = save::metadata(self.scene, settings, self.engine.device(), report, None);
+        let saved = outputs.write(&ending, &metadata)?;
+        rendered.report.seconds.write = writing.elapsed().as_secs_f64();
+        Ok(saved)
     }
 
-    /// The picture with the layers asked for; writes the error map on the way.
-    fn picture(&self, settings: &Settings, film: &Film) -> Result<Picture> {
-        if self.aov.is_empty() && self.error_map.is_none() {
-            return Picture::new(settings.width, settings.height, settings.crop, film.mean());
+    /// Writes the pictures once more where they can say what the bounce cap cuts off.
+    fn save_bias(&self, bias: &Bias, rendered: &Rendered, saved: &mut Saved) {
+        if let Some(known) = bias.known() {
+            let device = self.engine.device();
+            saved.rewrite(&save::metadata(self.scene, self.settings, device, &rendered.report, Some(known)));
         }
-        let estimate = film.estimate();
-        if let Some(path) = &self.error_map {
-            let (palette, map) = (error_map::palette(), error_map::error_map(&estimate));
-            let png = encode_indexed_png(estimate.width, estimate.height, &palette, error_map::LEGEND, &map);
-            write_whole(path, self.no_clobber, &png.map_err(|message| Error::output(path, message))?)?;
-        }
-        let mut aov = self.aov.clone();
-        aov.dedup();
-        let layers = aov.into_iter().map(|aov| Layer::of(aov, film, &estimate)).collect();
-        Picture::new(settings.width, settings.height, settings.crop, estimate.mean)?.with_layers(layers)
-    }
-
-    fn tell_after(&self, facts: &Facts, rendered: &Rendered) {
-        summary::warnings(facts).iter().for_each(|line| say(line));
-        if self.running.quiet {
-            return;
-        }
-        if self.running.verbose {
-            say(&rendered.report.tree.to_string());
-            say(rendered.ledger_table.trim_end());
-        }
-        summary::lines(facts).iter().for_each(|line| say(line));
-        let reason = self.stop.reason(facts.report, facts.settings.spp);
-        let files = if facts.outputs.is_empty() { "nothing".into() } else { facts.outputs.join(", ") };
-        say(&format!("{reason}; wrote {files}"));
     }
 }

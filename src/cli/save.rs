@@ -1,29 +1,16 @@
-//! Which files a render writes, and what they say about it.
+//! Which files a render may write, and what they say about it.
 //!
-//! Comes in: paths from the command line, then a finished render. Goes out: checked files, then the files themselves.
+//! Comes in: paths from the command line, then a finished render. Goes out: a refusal, then the facts of the picture.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use texray::output::{Display, Metadata, OutputFile, Picture};
+use texray::output::Metadata;
 use texray::render::{CapBias, RenderReport, Settings};
 use texray::scene::Scene;
 use texray::{Error, Result};
 
 use super::engine::DeviceLine;
 use super::settings::{name, roulette_name};
-
-/// Checks the pictures asked for with `-o`; without any, SCENE.exr and SCENE.png in the working directory.
-pub fn check(paths: &[PathBuf], scene_name: Option<&str>, no_clobber: bool) -> Result<Vec<OutputFile>> {
-    let default: Vec<PathBuf>;
-    let paths = match scene_name {
-        Some(scene) if paths.is_empty() => {
-            default = ["exr", "png"].map(|extension| PathBuf::from(format!("{scene}.{extension}"))).into();
-            &default
-        }
-        _ => paths,
-    };
-    paths.iter().map(|path| OutputFile::check(path, no_clobber)).collect()
-}
 
 /// Refuses two outputs with one name, and an output that is one of the files the scene is made of.
 pub fn check_distinct(scene: &[&Path], outputs: &[&Path]) -> Result<()> {
@@ -46,13 +33,21 @@ pub fn same(a: &Path, b: &Path) -> bool {
             Some(folder.canonicalize().ok()?.join(path.file_name()?))
         })
     };
-    a == b || resolved(a).is_some_and(|a| Some(a) == resolved(b))
+    a == b || resolved(a).is_some_and(|a| Some(a) == resolved(b)) || is_one_file(a, b)
 }
 
-/// Writes every file; one that fails does not keep the others from being written.
-pub fn write(files: &[OutputFile], picture: &Picture, display: &Display, metadata: &Metadata) -> Result<()> {
-    let written: Vec<Result<()>> = files.iter().map(|file| file.write(picture, display, metadata)).collect();
-    written.into_iter().collect()
+/// Whether two names (hard links, say) are of one file. What is written to a device does not meet what else is.
+#[cfg(unix)]
+fn is_one_file(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let file =
+        |path: &Path| path.metadata().ok().filter(std::fs::Metadata::is_file).map(|file| (file.dev(), file.ino()));
+    file(a).is_some_and(|a| Some(a) == file(b))
+}
+
+#[cfg(not(unix))]
+fn is_one_file(_: &Path, _: &Path) -> bool {
+    false
 }
 
 /// What a picture file says about itself.
@@ -65,23 +60,26 @@ pub fn metadata(
 ) -> Metadata {
     let mut metadata = Metadata::new();
     let invalid: u64 = report.invalid_samples.values().sum();
+    let [x, y, width, height] = settings.region();
     metadata
+        .subject("scene_digest", scene.digest())
+        .subject("size", format!("{}x{}", settings.width, settings.height))
+        .subject("region", format!("{x},{y},{width},{height}"))
+        .subject("max_bounces", settings.max_bounces)
+        .subject("seed", settings.seed)
+        .subject("filter", name(&settings.filter))
+        .subject("sampler", name(&settings.sampler))
+        .subject("intersector", name(&settings.intersector))
+        .subject("lights", name(&settings.lights))
+        .subject("light_pick", name(&settings.light_pick))
+        .subject("hemisphere", name(&settings.hemisphere))
+        .subject("roulette", roulette_name(settings.roulette))
         .fixed("version", env!("CARGO_PKG_VERSION"))
         .fixed("scene", &scene.name)
         .fixed("triangles", scene.triangles.len())
-        .fixed("size", format!("{}x{}", settings.width, settings.height))
         .fixed("spp", report.spp)
-        .fixed("max_bounces", settings.max_bounces)
-        .fixed("seed", settings.seed)
-        .fixed("filter", name(&settings.filter))
-        .fixed("sampler", name(&settings.sampler))
         .fixed("accel", name(&settings.accel))
         .fixed("builder", name(&settings.builder))
-        .fixed("intersector", name(&settings.intersector))
-        .fixed("lights", name(&settings.lights))
-        .fixed("light_pick", name(&settings.light_pick))
-        .fixed("hemisphere", name(&settings.hemisphere))
-        .fixed("roulette", roulette_name(settings.roulette))
         .fixed("buffers", name(&report.buffers))
         .fixed("effects", report.effects.join(" "))
         .fixed("device", &device.name)
@@ -93,9 +91,6 @@ pub fn metadata(
     }
     if let Some(bias) = cap_bias {
         metadata.fixed("bias_bounce_cap", bias.bounce_cap).fixed("bias_standard_error", bias.standard_error);
-    }
-    if let Some([x, y, w, h]) = settings.crop {
-        metadata.fixed("crop", format!("{x},{y},{w},{h}"));
     }
     metadata
         .varying("seconds_render", report.seconds.render)

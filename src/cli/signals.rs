@@ -1,13 +1,15 @@
-//! Signals that ask to stop: the first asks politely, the second ends the process at once.
+//! Signals that ask to stop: the first asks politely, a second one later ends the process at once.
 //!
-//! Comes in: SIGINT, SIGTERM and, on Unix, SIGHUP. Goes out: the number of the signal, to be asked for. A signal that
-//! the process was started to ignore (`nohup`) stays ignored.
+//! Comes in: SIGINT, SIGTERM and, on Unix, SIGHUP. Goes out: the number of the signal, to be asked for. A signal that the process was
+//! started to ignore (`nohup`) stays ignored. Signals that come within a second are one: a terminal that is closed sends SIGHUP twice
+//! (the kernel does, and the shell), and `timeout` signals the process and then its group.
 
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
-use signal_hook::consts;
-use signal_hook::flag;
+use signal_hook::{consts, flag, low_level};
 use texray::{Error, Result};
 
 use super::process;
@@ -16,6 +18,12 @@ use super::process;
 const WATCHED: [i32; 3] = [consts::SIGINT, consts::SIGTERM, consts::SIGHUP];
 #[cfg(not(unix))]
 const WATCHED: [i32; 2] = [consts::SIGINT, consts::SIGTERM];
+
+/// Signals that come within this time after the first one belong to it: nobody asks a second time so soon.
+const BURST: Duration = Duration::from_secs(1);
+
+/// Bytes of the stack of the thread that waits for signals.
+const STACK_BYTES: usize = 64 << 10;
 
 /// A watch on the signals; it lasts as long as the process.
 #[derive(Clone)]
@@ -26,14 +34,11 @@ pub struct Signals {
 impl Signals {
     /// Begins to watch.
     pub fn watch() -> Result<Signals> {
-        let (received, again) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
-        for signal in WATCHED.into_iter().filter(|&signal| !process::ignores(signal)) {
-            // In this order: a first signal finds `again` unset and sets it, a second finds it set.
-            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))
-                .and_then(|_| flag::register(signal, Arc::clone(&again)))
-                .and_then(|_| flag::register_usize(signal, Arc::clone(&received), signal as usize))
-                .map_err(|error| Error::Internal(format!("handler of signal {signal}: {error}")))?;
-        }
+        let received = Arc::new(AtomicUsize::new(0));
+        let watched: Vec<i32> = WATCHED.into_iter().filter(|&signal| !process::ignores(signal)).collect();
+        watch_by_thread(&watched, &received)
+            .or_else(|_| watch_by_handlers(&watched, &received))
+            .map_err(|error| Error::Internal(format!("signals cannot be watched: {error}")))?;
         Ok(Signals { received })
     }
 
@@ -43,16 +48,65 @@ impl Signals {
     }
 }
 
+/// Has a thread wait for signals, which can tell the time between them: the one that renders may be waiting for the driver.
+#[cfg(unix)]
+fn watch_by_thread(watched: &[i32], received: &Arc<AtomicUsize>) -> io::Result<()> {
+    let mut signals = signal_hook::iterator::Signals::new(watched)?;
+    let received = Arc::clone(received);
+    let watch = move || {
+        let mut first = None;
+        for signal in signals.forever() {
+            if first.get_or_insert_with(Instant::now).elapsed() >= BURST {
+                low_level::exit(128 + signal);
+            }
+            // The first one is told; whether this is the first is not of interest.
+            let _ = received.compare_exchange(0, signal as usize, Ordering::SeqCst, Ordering::SeqCst);
+        }
+    };
+    std::thread::Builder::new().name("signals".into()).stack_size(STACK_BYTES).spawn(watch).map(drop)
+}
+
+#[cfg(not(unix))]
+fn watch_by_thread(_: &[i32], _: &Arc<AtomicUsize>) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
+/// Where no thread can be had the handlers themselves do it. They cannot tell the time: any second signal ends the process.
+fn watch_by_handlers(watched: &[i32], received: &Arc<AtomicUsize>) -> io::Result<()> {
+    let again = Arc::new(AtomicBool::new(false));
+    for &signal in watched {
+        // In this order: a first signal finds `again` unset and sets it, a second finds it set.
+        flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))?;
+        flag::register(signal, Arc::clone(&again))?;
+        flag::register_usize(signal, Arc::clone(received), signal as usize)?;
+    }
+    Ok(())
+}
+
+/// Has a write beyond the limit of file sizes (`ulimit -f`) fail, as on a full disk, where the signal that comes with it would end
+/// the process: a handler that does nothing is enough.
+pub fn survive_large_files() {
+    #[cfg(unix)]
+    // Without the handler a large file ends the process, as before.
+    let _ = flag::register(consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// One test only: handlers belong to the process, and a second signal would end it.
+    /// One test only: handlers belong to the process, and a second signal after a while would end it.
     #[test]
-    fn tells_which_signal_came() {
+    fn tells_which_signal_came_first() {
         let signals = Signals::watch().unwrap();
         assert_eq!(signals.received(), None);
-        signal_hook::low_level::raise(consts::SIGTERM).unwrap();
+        for signal in [consts::SIGTERM, consts::SIGTERM, consts::SIGINT] {
+            low_level::raise(signal).unwrap();
+        }
+        let start = Instant::now();
+        while signals.received().is_none() && start.elapsed() < BURST {
+            std::thread::sleep(Duration::from_millis(1));
+        }
         assert_eq!(signals.received(), Some(15));
     }
 }

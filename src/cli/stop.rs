@@ -5,14 +5,26 @@
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use texray::render::{CapBias, ErrorReport, RenderReport, Sampler, Settings, StopReason, StopRules, Target, TimeRule};
+use texray::render::{ErrorReport, RenderReport, Sampler, Settings, StopReason, StopRules, Target, TimeRule};
 use texray::{Error, Result};
 
+use super::bias::Bias;
 use super::parse;
 use super::progress::{duration, percent};
 
 /// Seconds a pixel that reading out and writing the pictures take, at most, and seconds of that which do not depend on pixels.
 const WRITING: [f64; 2] = [0.7e-6, 0.05];
+
+/// Time of a limit that is left for estimating what the bounce cap cuts off, at most; otherwise a quarter of it.
+const LONGEST_ESTIMATE: Duration = Duration::from_secs(10);
+
+/// When a render ends, and what follows it.
+pub struct Limits {
+    /// Rules of the render.
+    pub rules: StopRules,
+    /// When the estimate of what the bounce cap cuts off has to have ended, if it has to.
+    pub bias_ends: Option<Instant>,
+}
 
 /// When it ends; what comes first counts.
 #[derive(Args)]
@@ -41,33 +53,39 @@ impl StopArgs {
         self.target_error.map(|error| Target { error, confidence: self.confidence })
     }
 
-    /// The rules for a process that began at `started`.
-    pub fn rules(&self, settings: &Settings, started: Instant) -> Result<StopRules> {
+    /// The limits of a process that began at `started`.
+    pub fn limits(&self, settings: &Settings, started: Instant) -> Result<Limits> {
         if self.target_error.is_some() && settings.sampler == Sampler::Table {
             let why = "the replicates of a table are not independent, so its error is not known";
             return Err(Error::Usage(format!("--target-error with --sampler table: {why}")));
         }
         let [_, _, width, height] = settings.region();
-        let writing = f64::from(width) * f64::from(height) * WRITING[0] + WRITING[1];
-        let time = self.time_limit.map(|limit| {
-            let aim = limit.saturating_sub(Duration::from_secs_f64(writing));
+        let writing = Duration::from_secs_f64(f64::from(width) * f64::from(height) * WRITING[0] + WRITING[1]);
+        let mut limits = Limits { rules: StopRules { target: self.target(), ..StopRules::default() }, bias_ends: None };
+        if let Some(limit) = self.time_limit {
+            let mut aim = limit.saturating_sub(writing);
+            if self.max_bias.is_some() {
+                // What the cap cuts off is estimated after the pictures are written, which are then written once more.
+                limits.bias_ends = Some(started + aim);
+                aim = aim.saturating_sub(writing + (limit / 4).min(LONGEST_ESTIMATE));
+            }
             // Half of what a time limit may be late by; the other half is for what comes after.
             let grace = (limit / 40).max(Duration::from_millis(250));
-            TimeRule { aim: started + aim, latest: started + aim + grace }
-        });
-        Ok(StopRules { target: self.target(), time })
+            limits.rules.time = Some(TimeRule { aim: started + aim, latest: started + aim + grace });
+        }
+        Ok(limits)
     }
 
-    /// Which rule ended the render.
-    pub fn reason(&self, report: &RenderReport, asked_spp: u32) -> String {
+    /// Which rule ended the render, whose last sample was finished `after` the start of the process.
+    pub fn reason(&self, report: &RenderReport, asked_spp: u32, after: Duration) -> String {
         let spp = report.spp;
         match (report.stop_reason, self.target()) {
             (StopReason::TargetError, Some(target)) => {
                 format!("done: error at most {} at {spp} spp", percent(target.error))
             }
             (StopReason::Spp, _) => format!("done: all {spp} spp"),
-            (StopReason::TimeLimit, _) if self.is_late(report) => {
-                let first = duration(report.seconds.total);
+            (StopReason::TimeLimit, _) if spp == 1 && self.time_limit.is_some_and(|limit| after > limit) => {
+                let first = duration(after.as_secs_f64());
                 format!("stopped by --time-limit at {spp} spp, late: the first sample was finished after {first}")
             }
             (StopReason::TimeLimit, _) => format!("stopped by --time-limit at {spp} spp"),
@@ -77,23 +95,31 @@ impl StopArgs {
         }
     }
 
-    /// Whether the first sample took longer than the time limit.
-    fn is_late(&self, report: &RenderReport) -> bool {
-        report.spp == 1 && self.time_limit.is_some_and(|limit| report.seconds.total > limit.as_secs_f64())
-    }
-
     /// What is missing to the promises asked for, where they are not kept.
-    pub fn missed(&self, report: &RenderReport, cap_bias: Option<CapBias>) -> Option<String> {
-        let missed: Vec<String> = self.missed_target(report).into_iter().chain(self.exceeded_bias(cap_bias)).collect();
+    pub fn missed(&self, report: &RenderReport, bias: &Bias) -> Option<String> {
+        let missed: Vec<String> = self.missed_target(report).into_iter().chain(self.exceeded_bias(bias)).collect();
         (!missed.is_empty()).then(|| missed.join("; "))
     }
 
-    fn exceeded_bias(&self, cap_bias: Option<CapBias>) -> Option<String> {
-        let (most, bias) = (self.max_bias?, cap_bias?);
-        (bias.upper() > most).then(|| {
-            let (share, upper) = (percent(bias.bounce_cap), percent(bias.upper()));
-            format!("--max-bias {} is not kept: the bounce cap cuts off {share}, at most {upper}", percent(most))
-        })
+    fn exceeded_bias(&self, bias: &Bias) -> Option<String> {
+        let most = self.max_bias?;
+        match bias {
+            Bias::Known(bias) if bias.upper() <= most => None,
+            Bias::Known(bias) => {
+                let (share, upper) = (percent(bias.bounce_cap), percent(bias.upper()));
+                Some(format!(
+                    "--max-bias {} is not kept: the bounce cap cuts off {share}, at most {upper}",
+                    percent(most)
+                ))
+            }
+            Bias::Missing(why) => Some(format!(
+                "--max-bias {} is not met: what the bounce cap cuts off is not known: {why}",
+                percent(most)
+            )),
+            Bias::Unknown => {
+                Some(format!("--max-bias {} is not met: there is no picture to estimate it for", percent(most)))
+            }
+        }
     }
 
     fn missed_target(&self, report: &RenderReport) -> Option<String> {

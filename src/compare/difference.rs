@@ -6,7 +6,7 @@
 //! in either picture.
 
 use super::relative_error::DENOMINATOR_FLOOR;
-use crate::output::encode_indexed_png;
+use crate::output::{Metadata, encode_indexed_png};
 
 /// Relative difference below which nothing is shown.
 pub const LEAST: f64 = 1e-3;
@@ -44,7 +44,7 @@ impl Difference {
 
     /// The bytes of a PNG file of this size, or why they cannot be made.
     pub fn png(&self, width: u32, height: u32) -> Result<Vec<u8>, String> {
-        encode_indexed_png(width, height, &palette(), LEGEND, &self.indices)
+        encode_indexed_png(width, height, &palette(), LEGEND, &self.indices, &Metadata::new())
     }
 }
 

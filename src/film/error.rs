@@ -74,7 +74,7 @@ impl Film {
         if self.replicates < 2 || !self.has_blocks(2) {
             return None;
         }
-        self.estimate().error()
+        self.held.during(|| self.estimate().error())
     }
 }
 

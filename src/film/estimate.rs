@@ -66,7 +66,7 @@ impl Film {
         if self.replicates < 2 || !self.has_blocks(2) {
             return None;
         }
-        self.estimate().relative_rmse()
+        self.held.during(|| self.estimate().relative_rmse())
     }
 
     /// The pixels of row `y`, their shares kept in `shares`.

@@ -13,6 +13,7 @@ mod error;
 pub mod error_map;
 mod estimate;
 pub mod fixed;
+mod held;
 mod neighbourhood;
 
 use rayon::prelude::*;
@@ -57,6 +58,8 @@ pub struct Film {
     open: Vec<Open>,
     /// Blocks closed, summed over pixels.
     closed_blocks: u64,
+    /// What reading out takes.
+    held: held::Held,
 }
 
 /// The open block of a pixel: fewer than 16 samples have been taken of it.
@@ -87,15 +90,36 @@ impl Film {
         memory::probe::<[i128; 3]>(&what, entries)?;
         let sums = vec![[0; 3]; entries];
         let counts = vec![0; entries];
-        Ok(Film { width, height, replicates, radiance_exponent, sums, counts, open: Vec::new(), closed_blocks: 0 })
+        let held = held::Held::new(&what, Film::read_out_bytes(pixels))?;
+        Ok(Film {
+            width,
+            height,
+            replicates,
+            radiance_exponent,
+            sums,
+            counts,
+            open: Vec::new(),
+            closed_blocks: 0,
+            held,
+        })
     }
 
     /// Bytes that a film of `pixels` pixels and `replicates` replicates needs: sums and counts, the open block, and
     /// what reading it out takes.
     pub fn bytes(pixels: u64, replicates: u32) -> u64 {
         let sums = (size_of::<[i128; 3]>() + size_of::<u32>()) as u64;
-        let once = (size_of::<Open>() + estimate::READ_OUT_BYTES) as u64;
-        pixels.saturating_mul(sums * u64::from(replicates) + once)
+        let open = size_of::<Open>() as u64;
+        pixels.saturating_mul(sums * u64::from(replicates) + open).saturating_add(Film::read_out_bytes(pixels))
+    }
+
+    /// Bytes of that which reading out takes. A film holds them until [`Film::let_go`].
+    pub fn read_out_bytes(pixels: u64) -> u64 {
+        pixels.saturating_mul(estimate::READ_OUT_BYTES as u64)
+    }
+
+    /// Lets go of the memory that is held for reading out: for what is done with the film next, which is its last.
+    pub fn let_go(&self) {
+        self.held.take();
     }
 
     /// Width in pixels of the rendered region.

@@ -11,6 +11,16 @@ pub enum Aov {
     Samples,
 }
 
+impl Aov {
+    /// Channels of the layer.
+    pub fn channels(self) -> u32 {
+        match self {
+            Aov::Variance => 3,
+            Aov::Samples => 1,
+        }
+    }
+}
+
 /// A layer: its channels' names after the layer's own, and a value of each pixel in each, in rows from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {

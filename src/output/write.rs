@@ -1,14 +1,14 @@
-//! Files that are whole or not there: checked before rendering, written under a temporary name, synced, renamed.
+//! Files that are whole or not there: checked before rendering, written without a name, synced, named.
 //!
-//! Comes in: a path and bytes. Goes out: a file of the user's usual mode, or an error that names the path and leaves
-//! nothing behind. What stood there before stays until the new file is complete.
+//! Comes in: a path and bytes. Goes out: a file of the user's usual mode, or of the one that it replaces; or an error that names the
+//! path and leaves nothing behind.
 
-use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
-
+use super::partial;
+use super::place::Place;
+use super::temporary::remove_stale;
 use super::{Display, Metadata, Picture, exr, hdr, png};
 use crate::{Error, Result};
 
@@ -65,79 +65,66 @@ impl OutputFile {
         self.format
     }
 
+    /// The file for a picture of `spp` samples that was cut short: the same, or, where a picture of the same subject with more
+    /// samples is there, another beside it, named `NAME.partial-Nspp.EXT`.
+    pub fn beside_better(&self, display: &Display, metadata: &Metadata, spp: u32) -> OutputFile {
+        let path = partial::beside_better(&self.path, &self.metadata(display, metadata), spp);
+        OutputFile { path: path.unwrap_or_else(|| self.path.clone()), ..self.clone() }
+    }
+
+    /// The same file, which is there now by this process's doing and may be replaced.
+    pub fn written(&self) -> OutputFile {
+        OutputFile { no_clobber: false, ..self.clone() }
+    }
+
+    /// What the file says of itself: how an 8-bit picture is shown is part of what it is of.
+    fn metadata(&self, display: &Display, metadata: &Metadata) -> Metadata {
+        let mut metadata = metadata.clone();
+        if self.format == Format::Png {
+            metadata.subject("exposure", display.exposure_stops).subject("tonemap", format!("{:?}", display.tonemap));
+        }
+        metadata
+    }
+
     /// Writes the picture.
     pub fn write(&self, picture: &Picture, display: &Display, metadata: &Metadata) -> Result<()> {
+        let metadata = self.metadata(display, metadata);
         let bytes = match self.format {
-            Format::Exr => exr::encode(picture, metadata),
-            Format::Png => png::encode(picture, display, metadata),
-            Format::Hdr => hdr::encode(picture),
+            Format::Exr => exr::encode(picture, &metadata),
+            Format::Png => png::encode(picture, display, &metadata),
+            Format::Hdr => hdr::encode(picture, &metadata),
         };
         write_whole(&self.path, self.no_clobber, &bytes.map_err(|message| Error::output(&self.path, message))?)
     }
 }
 
-/// Refuses a path that could not be written: a folder that is missing or not writable, a directory in its place, or,
-/// under `no_clobber`, anything in its place.
+/// Refuses a path that could not be written: a folder that is missing or not writable, a directory in its place, a file that this
+/// user may not write, a name that is too long, or, under `no_clobber`, anything in its place. Nothing of the trial stays.
 pub fn check_writable(path: &Path, no_clobber: bool) -> Result<()> {
-    if path.is_dir() {
-        return Err(Error::output(path, "is a directory"));
-    }
     if no_clobber && path.symlink_metadata().is_ok() {
-        return Err(Error::output(path, "exists already (--no-clobber)"));
+        return Err(exists(path));
     }
-    let folder = folder_of(path);
-    if !folder.is_dir() {
-        return Err(Error::output(path, format!("the folder {} does not exist", folder.display())));
-    }
-    let failed = |error| Error::output(path, format!("the folder {} cannot be written: {error}", folder.display()));
-    temporary(&folder).map(drop).map_err(failed)
+    let place = Place::of(path).map_err(|message| Error::output(path, message))?;
+    place.try_out().map_err(|message| Error::output(path, message))?;
+    remove_stale(place.folder());
+    Ok(())
 }
 
-/// Writes `bytes` to `path`, whole or not at all. A symbolic link is followed, so that it stays one.
+/// Whether what is written to `path` stays there, so that it can be written once more: what went to a pipe or a device is gone.
+pub fn is_rewritable(path: &Path) -> bool {
+    Place::of(path).is_ok_and(|place| place.is_file())
+}
+
+/// Writes `bytes` to `path`: a file is whole or not there, and what stood there before stays until it is complete. Symbolic links are
+/// followed; a device or a pipe is written to and stays what it is.
 pub fn write_whole(path: &Path, no_clobber: bool, bytes: &[u8]) -> Result<()> {
-    let target = if path.is_symlink() { fs::canonicalize(path).unwrap_or_else(|_| path.into()) } else { path.into() };
-    let folder = folder_of(&target);
-    let write = || -> io::Result<()> {
-        let mut file = temporary(&folder)?;
-        file.write_all(bytes)?;
-        file.as_file().sync_all()?;
-        if no_clobber { file.persist_noclobber(&target) } else { file.persist(&target) }
-            .map_err(|error| error.error)?;
-        sync_folder(&folder)
-    };
-    write().map_err(|error| match error.kind() {
-        io::ErrorKind::AlreadyExists => Error::output(path, "exists already (--no-clobber)"),
+    let place = Place::of(path).map_err(|message| Error::output(path, message))?;
+    place.write(no_clobber, bytes).map_err(|error| match error.kind() {
+        io::ErrorKind::AlreadyExists => exists(path),
         _ => Error::output(path, error.to_string()),
     })
 }
 
-fn folder_of(path: &Path) -> PathBuf {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder.into(),
-        _ => PathBuf::from("."),
-    }
-}
-
-/// A file in `folder` that goes when it is dropped; its mode is what the user's umask leaves, as for any new file.
-fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".texray-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
-}
-
-/// Makes the renaming itself survive a loss of power. Not every file system can sync a folder; the file is whole by
-/// then, so a refusal is no error.
-fn sync_folder(folder: &Path) -> io::Result<()> {
-    #[cfg(unix)]
-    if let Ok(folder) = fs::File::open(folder) {
-        let _ = folder.sync_all();
-    }
-    #[cfg(not(unix))]
-    let _ = folder;
-    Ok(())
+fn exists(path: &Path) -> Error {
+    Error::output(path, "exists already (--no-clobber)")
 }

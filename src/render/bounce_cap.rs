@@ -4,9 +4,11 @@
 //! the same random numbers, once with the cap and once with a far higher one. All that both have in common cancels in their
 //! difference, pixel by pixel: what is left is the light of the paths in between.
 
+use std::time::Instant;
+
 use serde::Serialize;
 
-use super::{Observer, Renderer, Tuning};
+use super::{Observer, Renderer, StopRules, TimeRule, Tuning};
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::scene::{Filter, Scene};
@@ -54,18 +56,23 @@ pub fn is_cheap(scene: &Scene, settings: &Settings, spp: u32) -> bool {
     2.0 * (start + 2.0 * PIXELS * f64::from(SPP)) <= COST_SHARE * paths
 }
 
-/// Estimates what the cap of `settings` cuts off; `None` where the observer stopped it.
+/// Estimates what the cap of `settings` cuts off; `None` where the observer stopped it, or it would not have ended before `ends`.
 pub fn cap_bias(
     context: &Context,
     scene: &Scene,
     settings: &Settings,
+    ends: Option<Instant>,
     observer: &mut dyn Observer,
 ) -> Result<Option<CapBias>> {
+    // Paths without an end take for ever: half of a picture says nothing, and its first samples are given up like any other.
+    let time = ends.map(|ends| TimeRule { aim: ends, latest: ends });
+    let rules = StopRules { time, whole_or_nothing: true, ..StopRules::default() };
     let up_to_bounces = settings.max_bounces.saturating_mul(FACTOR).saturating_add(BEYOND).min(MOST_BOUNCES);
     let small = small(settings);
     let mut luminance = |max_bounces: u32| -> Result<Option<Vec<f64>>> {
         let settings = Settings { max_bounces, ..small.clone() };
-        let rendered = Renderer::new(context, scene, &settings, &Tuning::default())?.render(observer)?;
+        let renderer = Renderer::new(context, scene, &settings, &Tuning::default())?;
+        let rendered = renderer.stop_by(rules).render(observer)?;
         let whole = rendered.report.spp == SPP;
         Ok(whole.then(|| rendered.film.mean().into_iter().map(luminance_of).collect()))
     };

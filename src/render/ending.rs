@@ -41,10 +41,13 @@ impl Renderer {
     /// before it.
     pub(super) fn next_run(&self, done: u32) -> Option<u32> {
         let samples = self.run_length.next(done, self.settings.spp);
-        let Some(time) = self.rules.time.filter(|_| done > 0) else {
+        let Some(time) = self.rules.time.filter(|_| self.may_give_up(done)) else {
             return Some(samples);
         };
         let left = time.aim.saturating_duration_since(Instant::now()).as_secs_f64();
+        if done == 0 {
+            return (left > 0.0).then_some(samples);
+        }
         let affordable = (left / self.report.seconds_per_sample.max(1e-9)).min(f64::from(BLOCK_SAMPLES)) as u32;
         (affordable > 0).then_some(samples.min(affordable))
     }
@@ -54,6 +57,11 @@ impl Renderer {
         let elapsed = start.elapsed().as_secs_f64();
         let left = |time: TimeRule| time.aim.saturating_duration_since(Instant::now()).as_secs_f64();
         self.rules.time.map_or(0.0, |time| elapsed / (elapsed + left(time)).max(1e-9))
+    }
+
+    /// Whether a run that begins at sample `done` need not be finished.
+    pub(super) fn may_give_up(&self, done: u32) -> bool {
+        done > 0 || self.rules.whole_or_nothing
     }
 
     /// Whether a run is to be given up: what the last whole run left is kept.

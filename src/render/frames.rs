@@ -121,7 +121,7 @@ impl Renderer {
         Ok(Rendered { film: self.film, report: self.report, ledger: self.ledger, effects: self.effects })
     }
 
-    /// One run over all tiles; false where it was given up. The first run always ends: it is the first picture.
+    /// One run over all tiles; false where it was given up. The first run ends where it is to be the first picture.
     fn run(&mut self, first: u32, samples: u32, start: Instant, observer: &mut dyn Observer) -> Result<bool> {
         let mut pending: Option<PendingTile> = None;
         self.pace.begin_run(samples);
@@ -155,7 +155,7 @@ impl Renderer {
                     self.tell(first, start, observer);
                     // What the run has already paid for in full is kept.
                     let whole = last_tile && pass.is_last();
-                    if first > 0 && !whole && self.is_given_up(observer) {
+                    if self.may_give_up(first) && !whole && self.is_given_up(observer) {
                         return Ok(false);
                     }
                 }

@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::film::Film;
 use crate::gpu::{BindGroup, Buffer, BufferUse, Context, Ledger, Memory, Readback, Resource};
 use crate::interface::*;
+use crate::memory::filled;
 use crate::render::effects::Effects;
 use crate::render::ending::EstimateClock;
 use crate::render::frames::{CAUSE_NAMES, COUNTER_BYTES, INVALID_KIND_NAMES, Renderer};
@@ -108,8 +109,8 @@ impl Renderer {
             slice_pixels: tuning.slice_pixels,
             run_length: RunLength::new(tuning.run_samples),
             film,
-            run_sums: vec![[0; 4]; region_pixels],
-            open_sums: vec![[0; 4]; region_pixels],
+            run_sums: filled("memory for the sums of a run", [0; 4], region_pixels)?,
+            open_sums: filled("memory for the sums of a run", [0; 4], region_pixels)?,
             run_counts: [0; COUNTERS as usize],
             ledger,
             estimate: EstimateClock::default(),

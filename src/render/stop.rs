@@ -29,6 +29,8 @@ pub struct StopRules {
     pub target: Option<Target>,
     /// Stop before this.
     pub time: Option<TimeRule>,
+    /// A picture that has not all its samples is of no use: even the first may be given up.
+    pub whole_or_nothing: bool,
 }
 
 /// An error to reach.
@@ -40,7 +42,7 @@ pub struct Target {
     pub confidence: f64,
 }
 
-/// A time to keep. The first sample is always finished.
+/// A time to keep. The first sample is finished all the same, but for [`StopRules::whole_or_nothing`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeRule {
     /// Runs are made to end before this.

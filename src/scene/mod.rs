@@ -18,6 +18,7 @@ mod batches;
 pub mod camera;
 #[cfg(test)]
 mod damage;
+mod digest;
 mod load;
 pub mod material;
 mod mtl_scan;
@@ -38,6 +39,7 @@ use std::path::PathBuf;
 use glam::{DVec3, Vec2, Vec3};
 
 pub use camera::Camera;
+pub use digest::Digest;
 pub use material::{Material, MaterialKind};
 
 /// A scene in scaled units: everything a renderer needs, nothing that it has to check again.

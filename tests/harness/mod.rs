@@ -8,6 +8,8 @@ pub mod device;
 pub mod draws;
 pub mod golden;
 pub mod obj;
+#[cfg(unix)]
+pub mod program;
 pub mod sketch;
 pub mod tracer;
 

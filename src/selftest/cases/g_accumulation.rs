@@ -332,7 +332,7 @@ fn bounce_cap(bench: &Bench) -> Result<Vec<Finding>> {
         let settings = Settings { max_bounces: 8, ..plain_settings(&scene, 32, 32, bench.count(32, 512) as u32) };
         let what = format!("furnace {albedo} capped at 8 bounces, light samples");
         findings.push(mean(bench, what, &scene, &settings, expected)?);
-        if let Some(bias) = cap_bias(bench.context(), &scene, &settings, &mut Silent)? {
+        if let Some(bias) = cap_bias(bench.context(), &scene, &settings, None, &mut Silent)? {
             let what = format!("furnace {albedo} capped at 8 bounces, share cut off as reported");
             let whole = 1.0 / (1.0 - f64::from(albedo));
             findings.push(Finding::z(what, 1.0 - expected / whole, bias.bounce_cap, bias.standard_error.powi(2)));
