@@ -48,7 +48,8 @@ fn main() -> ExitCode {
             u8::try_from(error.exit_code()).unwrap_or(INTERNAL)
         }
         Ok(Err(Failure::Command(error))) => {
-            say(&format!("error: {error}"));
+            // Several refusals of a scene are a line each.
+            error.to_string().lines().for_each(|line| say(&format!("error: {line}")));
             let mut cause = error.source();
             while let Some(error) = cause {
                 say(&format!("  caused by: {error}"));

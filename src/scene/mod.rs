@@ -18,6 +18,7 @@ mod batches;
 pub mod camera;
 #[cfg(test)]
 mod damage;
+mod foreign;
 mod load;
 pub mod material;
 mod mtl_scan;
@@ -28,6 +29,7 @@ mod obj_mesh;
 mod obj_scan;
 mod polygon;
 mod recipe;
+mod refusals;
 mod scene_file;
 mod source_text;
 mod toml_table;
@@ -38,6 +40,7 @@ use std::path::PathBuf;
 use glam::{DVec3, Vec2, Vec3};
 
 pub use camera::Camera;
+pub use foreign::foreign_format;
 pub use material::{Material, MaterialKind};
 
 /// A scene in scaled units: everything a renderer needs, nothing that it has to check again.
