@@ -49,7 +49,10 @@ fn main() -> ExitCode {
         }
         Ok(Err(Failure::Command(error))) => {
             // Several refusals of a scene are a line each.
-            error.to_string().lines().for_each(|line| say(&format!("error: {line}")));
+            let text = error.to_string();
+            let several = matches!(error, texray::Error::Scenes { .. });
+            let parts = if several { text.lines().collect() } else { vec![text.as_str()] };
+            parts.iter().for_each(|part| say(&format!("error: {part}")));
             let mut cause = error.source();
             while let Some(error) = cause {
                 say(&format!("  caused by: {error}"));

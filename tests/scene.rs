@@ -58,7 +58,7 @@ fn every_refusal_has_file_line_value_and_what_is_allowed() {
     let mut check = |files: &[(&str, &[u8])], expected: &str| {
         let files = Files::new(files);
         let refusal = match files.load() {
-            Err(error @ Error::Scene { .. }) => files.strip(&error.to_string()),
+            Err(error @ (Error::Scene { .. } | Error::Scenes { .. })) => files.strip(&error.to_string()),
             Err(error) => format!("the wrong kind of error: {error:?}"),
             Ok(scene) => files.strip(&format!("no refusal, warnings {:?}", scene.report.warnings)),
         };

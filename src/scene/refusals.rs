@@ -8,14 +8,16 @@ use crate::{Error, Result};
 #[derive(Default)]
 pub(super) struct Refusals {
     kept: Vec<Error>,
-    /// Refusals after the first [`Refusals::MOST`]: a file that is something else altogether has one a line.
+    /// Refusals after the first [`KEPT`]: a file that is something else altogether has one a line.
     more: usize,
 }
 
-impl Refusals {
-    /// Refusals that are told; of more, the number.
-    const MOST: usize = 10;
+/// Refusals that are kept to be put in order.
+const KEPT: usize = 1000;
+/// Refusals that are told; of more, the number.
+const TOLD: usize = 20;
 
+impl Refusals {
     /// The value of a part that can be read.
     pub(super) fn keep<T>(&mut self, part: Result<T>) -> Option<T> {
         part.map_err(|error| self.add(error)).ok()
@@ -27,7 +29,7 @@ impl Refusals {
             Error::Scenes { refusals, more } => (refusals, more),
             one => (vec![one], 0),
         };
-        let room = Refusals::MOST.saturating_sub(self.kept.len());
+        let room = KEPT.saturating_sub(self.kept.len());
         self.more += more + errors.len().saturating_sub(room);
         self.kept.extend(errors.into_iter().take(room));
     }
@@ -44,7 +46,10 @@ impl Refusals {
             (0, _) => Ok(()),
             // The one that was kept is all there is.
             (1, 0) => self.kept.pop().map_or(Ok(()), Err),
-            (_, more) => Err(Error::Scenes { refusals: self.kept, more }),
+            (kept, more) => {
+                self.kept.truncate(TOLD);
+                Err(Error::Scenes { refusals: self.kept, more: more + kept.saturating_sub(TOLD) })
+            }
         }
     }
 }
@@ -68,13 +73,14 @@ mod tests {
         assert!(matches!(told(&[3]), Err(Error::Scene { line: 3, .. })));
         let two = told(&[7, 2]).unwrap_err();
         assert_eq!((two.to_string().as_str(), two.exit_code()), ("a:2: wrong\na:7: wrong", 3));
-        let many = told(&(1..=25).collect::<Vec<_>>()).unwrap_err();
-        assert!(many.to_string().ends_with("a:10: wrong\nand 15 more like these"), "{many}");
+        let many = told(&(1..=KEPT + 5).rev().collect::<Vec<_>>()).unwrap_err();
+        assert!(many.to_string().starts_with("a:6: wrong\n"), "{many}");
+        assert!(many.to_string().ends_with("a:25: wrong\nand 985 more like these"), "{many}");
         // Refusals of a part count as its own.
         let mut whole = Refusals::default();
         whole.add(many);
         whole.add(two);
         let text = whole.finish().unwrap_err().to_string();
-        assert!(text.lines().count() == 11 && text.ends_with("and 17 more like these"), "{text}");
+        assert!(text.lines().count() == TOLD + 1 && text.ends_with("and 987 more like these"), "{text}");
     }
 }

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DMat3, DVec3};
 
+use super::nearest::nearest;
 use super::recipe::{Quantity, Recipe};
 use super::refusals::Refusals;
 use super::source_text::quoted;
@@ -87,7 +88,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<SceneFile> {
 
 fn read_root(root: &Table, path: &Path, refusals: &mut Refusals) -> Option<SceneFile> {
     let known = ["camera", "film", "render", "mesh", "material", "environment"];
-    root.unknown_keys(&known).into_iter().for_each(|error| refusals.add(error));
+    root.unknown_keys(&known, &[]).into_iter().for_each(|error| refusals.add(error));
     let folder = path.parent().unwrap_or(Path::new(""));
     let meshes = root.get("mesh").map(|meshes| meshes.items("tables [[mesh]]"));
     let meshes = meshes.and_then(|meshes| refusals.keep(meshes)).unwrap_or_default();
@@ -98,7 +99,7 @@ fn read_root(root: &Table, path: &Path, refusals: &mut Refusals) -> Option<Scene
     let film = root.get("film").map_or(Some(DEFAULT_FILM), |film| read_film(&film, refusals));
     let render = root.get("render").map_or(Some(RenderDefaults::default()), |render| read_render(&render, refusals));
     let sky = root.get("environment").map_or(Some(None), |sky| read_sky(&sky, refusals).map(Some));
-    let camera_entry = refusals.keep(root.need("camera"))?;
+    let camera_entry = need(root, "camera", &known, refusals)?;
     let camera = read_camera(&camera_entry, refusals);
     Some(SceneFile {
         camera: camera?,
@@ -111,6 +112,16 @@ fn read_root(root: &Table, path: &Path, refusals: &mut Refusals) -> Option<Scene
     })
 }
 
+/// The entry of a key that a table must have. Where a key that is not known is a slip of it, that was refused already.
+fn need<'a>(table: &Table<'a>, key: &str, known: &[&str], refusals: &mut Refusals) -> Option<Entry<'a>> {
+    let slip =
+        |entry: &Entry| !known.contains(&entry.key()) && nearest(entry.key(), known.iter().copied()) == Some(key);
+    match table.get(key) {
+        None if table.entries().iter().any(slip) => None,
+        found => found.or_else(|| refusals.keep(table.need(key))),
+    }
+}
+
 /// The table of `entry`, with a refusal of each key that is neither `known` nor `unbuilt`, and of each that is `unbuilt`.
 fn open<'a>(
     entry: &Entry<'a>,
@@ -120,7 +131,7 @@ fn open<'a>(
     refusals: &mut Refusals,
 ) -> Option<Table<'a>> {
     let table = refusals.keep(entry.table(name))?;
-    let unknown = table.unknown_keys(&[known, unbuilt].concat());
+    let unknown = table.unknown_keys(known, unbuilt);
     unknown.into_iter().chain(table.unbuilt_keys(unbuilt)).for_each(|error| refusals.add(error));
     Some(table)
 }
@@ -131,11 +142,12 @@ pub(super) const DEFAULT_FILM: FilmSettings = FilmSettings { width: 800, height:
 fn read_camera(entry: &Entry, refusals: &mut Refusals) -> Option<Camera> {
     let known = ["origin", "target", "up", "vfov"];
     let table = open(entry, "[camera]", &known, &["aperture_radius", "focus_distance"], refusals)?;
-    let origin = refusals.keep(table.need("origin").and_then(|entry| entry.vector()));
-    let target = refusals.keep(table.need("target").and_then(|entry| entry.vector()));
-    let up = refusals.keep(table.need("up").and_then(|entry| entry.direction()));
+    let [origin, target, up, vfov] = known.map(|key| need(&table, key, &known, refusals));
+    let origin = origin.and_then(|entry| refusals.keep(entry.vector()));
+    let target = target.and_then(|entry| refusals.keep(entry.vector()));
+    let up = up.and_then(|entry| refusals.keep(entry.direction()));
     let degrees = |entry: Entry| entry.number("degrees above 0 and below 180", |v| (1e-6..=180.0 - 1e-6).contains(&v));
-    let vfov = refusals.keep(table.need("vfov").and_then(degrees));
+    let vfov = vfov.and_then(|entry| refusals.keep(degrees(entry)));
     let camera = Camera { origin: origin?, target: target?, up: up?, vfov: vfov? };
     refusals.keep(checked_camera(&table, camera))
 }
@@ -184,10 +196,11 @@ fn read_render(entry: &Entry, refusals: &mut Refusals) -> Option<RenderDefaults>
 }
 
 fn read_sky(entry: &Entry, refusals: &mut Refusals) -> Option<[f64; 3]> {
-    let table = open(entry, "[environment]", &["color", "strength"], &["image", "rotate"], refusals)?;
+    let known = ["color", "strength"];
+    let table = open(entry, "[environment]", &known, &["image", "rotate"], refusals)?;
     let allowed = "[r, g, b] of numbers from 0 to 1e36";
     let colour = |entry: Entry| entry.numbers::<3>(allowed, |channel| (0.0..=1e36).contains(&channel));
-    let radiance = refusals.keep(table.need("color").and_then(colour));
+    let radiance = need(&table, "color", &known, refusals).and_then(|entry| refusals.keep(colour(entry)));
     let Some(strength) = table.get("strength") else { return radiance };
     let factor = strength.number("a number from 0 to 1e36", |factor| (0.0..=1e36).contains(&factor));
     let factor = refusals.keep(factor)?;
@@ -201,7 +214,7 @@ fn read_sky(entry: &Entry, refusals: &mut Refusals) -> Option<[f64; 3]> {
 fn read_mesh(entry: &Entry, folder: &Path, refusals: &mut Refusals) -> Option<MeshEntry> {
     let known = ["file", "scale", "rotate", "translate", "matrix", "material"];
     let table = open(entry, "[[mesh]]", &known, &[], refusals)?;
-    let file = refusals.keep(table.need("file").and_then(|file| mesh_file(&file, folder)));
+    let file = need(&table, "file", &known, refusals).and_then(|file| refusals.keep(mesh_file(&file, folder)));
     let named = |entry: Entry| Ok((entry.text("the name of a material, in quotes")?.to_owned(), entry.line));
     let material = refusals.keep(table.get("material").map(named).transpose());
     let transform = read_transform(&table, refusals);
@@ -219,48 +232,46 @@ fn mesh_file(entry: &Entry, folder: &Path) -> Result<(PathBuf, usize)> {
 }
 
 fn read_transform(table: &Table, refusals: &mut Refusals) -> Option<Transform> {
-    if let Some(rotate) = table.get("rotate").filter(|_| table.get("matrix").is_none()) {
-        open(&rotate, TURN, &["axis", "degrees"], &[], refusals)?;
+    if let Some(matrix) = table.get("matrix") {
+        return refusals.keep(read_matrix(table, &matrix));
     }
-    refusals.keep(transform_of(table))
+    let scale = table.get("scale").map_or(Ok(DVec3::ONE), |scale| read_scale(&scale));
+    let scale = refusals.keep(scale);
+    let turn = table.get("rotate").map_or(Some(DMat3::IDENTITY), |turn| read_rotation(&turn, refusals));
+    let translation = table.get("translate").map_or(Ok(DVec3::ZERO), |translate| translate.vector());
+    let translation = refusals.keep(translation);
+    // Rotations and scalings by numbers other than 0 can always be inverted.
+    let transform = Transform::new(turn? * DMat3::from_diagonal(scale?), translation?);
+    refusals.keep(transform.ok_or_else(|| table.refuse("the mesh's scale cannot be inverted".to_owned())))
 }
 
-/// What a rotation is.
-const TURN: &str = "{ axis = [x, y, z], degrees = D }";
+fn read_matrix(table: &Table, matrix: &Entry) -> Result<Transform> {
+    if let Some(step) = ["scale", "rotate", "translate"].iter().find_map(|key| table.get(key)) {
+        return Err(step.error(format!("\"{}\" beside \"matrix\"; allowed is one or the other", step.key())));
+    }
+    let allowed = "16 finite numbers, row by row, that can be inverted and end in 0, 0, 0, 1";
+    let m: [f64; 16] = matrix.numbers(allowed, |_| true)?;
+    let linear = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
+    let transform = Transform::new(linear, DVec3::new(m[3], m[7], m[11])).filter(|_| m[12..] == [0.0, 0.0, 0.0, 1.0]);
+    transform.ok_or_else(|| matrix.refuse(allowed))
+}
 
-fn transform_of(table: &Table) -> Result<Transform> {
-    if let Some(matrix) = table.get("matrix") {
-        if let Some(step) = ["scale", "rotate", "translate"].iter().find_map(|key| table.get(key)) {
-            return Err(step.error(format!("\"{}\" beside \"matrix\"; allowed is one or the other", step.key())));
-        }
-        let allowed = "16 finite numbers, row by row, that can be inverted and end in 0, 0, 0, 1";
-        let m: [f64; 16] = matrix.numbers(allowed, |_| true)?;
-        let linear = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
-        let transform =
-            Transform::new(linear, DVec3::new(m[3], m[7], m[11])).filter(|_| m[12..] == [0.0, 0.0, 0.0, 1.0]);
-        return transform.ok_or_else(|| matrix.refuse(allowed));
-    }
-    let mut linear = DMat3::IDENTITY;
-    let mut translation = DVec3::ZERO;
-    if let Some(scale) = table.get("scale") {
-        let allowed = "a finite number other than 0, or [x, y, z] of such numbers";
-        let fits = |factor: f64| factor.abs() >= 1e-100;
-        let factors = match scale.is_number() {
-            true => DVec3::splat(scale.number(allowed, fits)?),
-            false => DVec3::from_array(scale.numbers(allowed, fits)?),
-        };
-        linear = DMat3::from_diagonal(factors);
-    }
-    if let Some(rotate) = table.get("rotate") {
-        let turn = rotate.table(TURN)?;
-        let degrees = turn.need("degrees")?.number("a finite number of degrees", |_| true)?;
-        linear = rotation(turn.need("axis")?.direction()?, degrees) * linear;
-    }
-    if let Some(translate) = table.get("translate") {
-        translation = translate.vector()?;
-    }
-    // Rotations and scalings by numbers other than 0 can always be inverted.
-    Transform::new(linear, translation).ok_or_else(|| table.refuse("the mesh's scale cannot be inverted".to_owned()))
+fn read_scale(scale: &Entry) -> Result<DVec3> {
+    let allowed = "a finite number other than 0, or [x, y, z] of such numbers";
+    let fits = |factor: f64| factor.abs() >= 1e-100;
+    Ok(match scale.is_number() {
+        true => DVec3::splat(scale.number(allowed, fits)?),
+        false => DVec3::from_array(scale.numbers(allowed, fits)?),
+    })
+}
+
+fn read_rotation(rotate: &Entry, refusals: &mut Refusals) -> Option<DMat3> {
+    let known = ["axis", "degrees"];
+    let turn = open(rotate, "{ axis = [x, y, z], degrees = D }", &known, &[], refusals)?;
+    let [axis, degrees] = known.map(|key| need(&turn, key, &known, refusals));
+    let axis = axis.and_then(|axis| refusals.keep(axis.direction()));
+    let degrees = degrees.and_then(|entry| refusals.keep(entry.number("a finite number of degrees", |_| true)));
+    Some(rotation(axis?, degrees?))
 }
 
 fn read_material(entry: &Entry, refusals: &mut Refusals) -> Option<MaterialEntry> {

@@ -62,9 +62,10 @@ impl<'a> Table<'a> {
         Table { source: Source { path, text }, name: "the file", line: 1, entries: root.get_ref() }
     }
 
-    /// A refusal of each key that is not `known`.
-    pub(super) fn unknown_keys(&self, known: &[&str]) -> Vec<Error> {
-        let unknown = |key: &&Spanned<_>| !known.contains(&AsRef::<str>::as_ref(Spanned::get_ref(*key)));
+    /// A refusal of each key that is neither `known` nor `unbuilt`; it offers the `known` ones.
+    pub(super) fn unknown_keys(&self, known: &[&str], unbuilt: &[&str]) -> Vec<Error> {
+        let is_in = |keys: &[&str], key: &Spanned<_>| keys.contains(&AsRef::<str>::as_ref(Spanned::get_ref(key)));
+        let unknown = |key: &&Spanned<_>| !is_in(known, key) && !is_in(unbuilt, key);
         let refusal = |key: &Spanned<_>| {
             let name: &str = AsRef::<str>::as_ref(Spanned::<std::borrow::Cow<'a, str>>::get_ref(key));
             let allowed = known_names(name, known.iter().copied(), "the nearest known key is", "allowed are");
