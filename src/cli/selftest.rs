@@ -47,6 +47,8 @@ struct Document<'a> {
     /// The signal that ended the run before its last case.
     stopped_by: Option<u8>,
     validation: &'a [String],
+    /// What it says of the device, in one sentence.
+    verdict: String,
     cases: Vec<CaseLine>,
 }
 
@@ -111,6 +113,7 @@ impl SelftestArgs {
         let seconds = started.elapsed().as_secs_f64();
         let validation = engine.validation();
         let failed = report.iter().filter(|found| !found.outcome.passes()).count();
+        let asked = self.cases.is_empty() && signals.received().is_none();
         if self.json {
             streams::answer_json(&Document {
                 schema: 1,
@@ -121,11 +124,13 @@ impl SelftestArgs {
                 passes: failed == 0 && validation.is_empty() && signals.received().is_none(),
                 stopped_by: signals.received(),
                 validation: &validation,
+                verdict: verdict(&report, validation.len(), asked),
                 cases: report.iter().map(case_line).collect(),
             })?;
         } else {
             validation.iter().for_each(|message| streams::say(&format!("validation: {message}")));
             streams::answer(&summary(&report, seconds))?;
+            streams::answer(&streams::folded(&verdict(&report, validation.len(), asked), 0))?;
         }
         Ok(match (signals.received(), failed + validation.len()) {
             (Some(signal), _) => Outcome::Signal(signal),
@@ -229,6 +234,32 @@ fn summary(report: &[CaseReport], seconds: f64) -> String {
         text += &broken.concat();
     }
     text
+}
+
+/// What the run says of the device, in one sentence. `whole` is whether all cases were asked for and come to.
+fn verdict(report: &[CaseReport], validation: usize, whole: bool) -> String {
+    let of = |wanted: Verdict| report.iter().filter(|found| Verdict::of(&found.outcome) == wanted).count();
+    let (failed, not_run) = (of(Verdict::Fail), of(Verdict::Error));
+    if failed > 0 {
+        let means = "its pictures can be wrong in the ways told above";
+        return format!("verdict: do not trust this device yet: {} failed, and {means}", count(failed, "case"));
+    }
+    if not_run > 0 {
+        return format!("verdict: unknown, as {} could not be run; nothing that ran failed", count(not_run, "case"));
+    }
+    if validation > 0 {
+        let messages = count(validation, "message");
+        return format!(
+            "verdict: every case passed, but Vulkan was not used as it should be: {messages} of validation"
+        );
+    }
+    match (whole, of(Verdict::Pass)) {
+        (_, 0) => "verdict: none, as no case ran on the device".into(),
+        (true, _) => "verdict: this device can be trusted with pictures: every case that ran passed".into(),
+        (false, passed) => {
+            format!("verdict: {} passed; the device can be trusted as far as that goes", count(passed, "case"))
+        }
+    }
 }
 
 fn case_line(found: &CaseReport) -> CaseLine {
