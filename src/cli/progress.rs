@@ -17,7 +17,7 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 const BAR_STEPS: f64 = 1e4;
 /// Columns of a terminal that does not tell.
 const COLUMNS: usize = 80;
-/// Seconds of rendering, and least share of the work, that a remaining time can be told from.
+/// Seconds of rendering, and least share of a time limit, that a remaining time can be told from.
 const FORESEEABLE: (f64, f64) = (1.0, 1e-3);
 /// A remaining time beyond this says no more than that it is not known, in seconds: ten years.
 const UNFORESEEABLE: f64 = 10.0 * 365.0 * 86400.0;
@@ -126,7 +126,9 @@ fn left(progress: &Progress) -> Option<String> {
     }
     // Until a sample is finished, a time limit tells nothing of the end: the first sample is always finished.
     let fraction = progress.fraction.clamp(0.0, 1.0);
-    let known = seconds >= FORESEEABLE.0 && fraction >= FORESEEABLE.1 && progress.spp_done > 0;
+    // Without an end by samples, the share is that of a time limit, or next to nothing.
+    let least = if progress.spp_target == u32::MAX { FORESEEABLE.1 } else { f64::MIN_POSITIVE };
+    let known = seconds >= FORESEEABLE.0 && fraction >= least && progress.spp_done > 0;
     let left = seconds * (1.0 - fraction) / fraction;
     (known && left < UNFORESEEABLE).then(|| format!("{} left", duration(left)))
 }
@@ -184,19 +186,18 @@ mod tests {
     /// Of 2^32 - 1 samples without another rule, in the first moment, and of a time limit that the first sample overruns.
     #[test]
     fn no_time_left_is_told_before_it_is_known() {
-        let target = Some((Target { error: 0.01, confidence: 0.95 }, None));
+        let target = Target { error: 0.01, confidence: 0.95 };
         let begun =
             Progress { spp_done: 16, spp_target: u32::MAX, fraction: 4e-9, seconds: 5.0, ..Progress::default() };
         let first = Progress { spp_done: 0, fraction: 1.0, seconds: 9.0, ..begun };
         let moment = Progress { spp_done: 1, spp_target: 256, fraction: 0.004, seconds: 0.2, ..begun };
         let hopeless = Forecast { made_at_spp: 32, spp: 1 << 32, seconds: 1e12 };
-        let (error, _) = target.unwrap();
         for unknown in [
             begun,
-            Progress { target, ..begun },
+            Progress { target: Some((target, None)), ..begun },
             first,
             moment,
-            Progress { target: Some((error, Some(hopeless))), ..begun },
+            Progress { target: Some((target, Some(hopeless))), ..begun },
             Progress::default(),
         ] {
             let line = line(&unknown, usize::MAX);

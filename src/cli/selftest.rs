@@ -279,3 +279,33 @@ fn case_line(found: &CaseReport) -> CaseLine {
         findings,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ran(outcomes: Vec<Found>) -> Vec<CaseReport> {
+        let cases = GROUPS.iter().flat_map(|group| group.cases);
+        cases.zip(outcomes).map(|(case, outcome)| CaseReport { case, outcome, seconds: 0.1 }).collect()
+    }
+
+    #[test]
+    fn one_sentence_says_whether_the_device_can_be_trusted() {
+        let pass = || Found::Ran(vec![Finding::exact("a number", 1, 1)]);
+        let fail = || Found::Ran(vec![Finding::exact("a number", 1, 2)]);
+        let error = || Found::Failed("no memory".into());
+        let tests = || Found::ShownBy("tests/output.rs");
+        for (outcomes, validation, whole, words) in [
+            (vec![pass(), tests(), pass()], 0, true, "can be trusted with pictures"),
+            (vec![pass(), fail(), error()], 1, true, "do not trust this device yet: 1 case failed"),
+            (vec![pass(), error()], 0, true, "unknown, as 1 case could not be run"),
+            (vec![pass(), pass()], 2, true, "every case passed, but Vulkan was not used as it should be: 2 messages"),
+            (vec![pass()], 0, false, "1 case passed; the device can be trusted as far as that goes"),
+            (vec![tests()], 0, false, "none, as no case ran"),
+        ] {
+            let verdict = verdict(&ran(outcomes), validation, whole);
+            assert!(verdict.starts_with("verdict: ") && verdict.contains(words), "{verdict}");
+            assert!(!verdict.contains('\n') && verdict.chars().count() < 160, "{verdict}");
+        }
+    }
+}
