@@ -65,7 +65,7 @@ fn the_page_opens_with_what_was_found() {
         page.select(&of("header .opening li")).map(text).collect::<Vec<_>>(),
         ["One.", "Two.", "Three.", "Four.", "Five."]
     );
-    assert!(html.find("Five.") < html.find("device") && html.find("Five.") < html.find("<nav"));
+    assert!(html.find("Five.") < html.find("<dl") && html.find("Five.") < html.find("<nav"));
 }
 
 /// The default is named in the legend and drawn after every other series, so that none hides it.
