@@ -229,10 +229,10 @@ mod tests {
                 assert!(columns < 45 || line.chars().count() <= room, "{columns}: {line}");
             }
         }
-        assert_eq!(line(&progress, 68), " 47 %, 960 of 2048 spp, 0.01 Mpaths/s, error 1.07 %, 11 min 16 s left");
-        assert_eq!(line(&progress, 67), " 47 %, 960 of 2048 spp, error 1.07 %, 11 min 16 s left");
-        assert_eq!(line(&progress, 45), " 47 %, 960 of 2048 spp, 11 min 16 s left");
-        assert_eq!(line(&progress, 34), " 47 %, 960 spp, 11 min 16 s left");
+        assert_eq!(line(&progress, 69), " 47 %, 960 of 2048 spp, 0.01 Mpaths/s, error 1.07 %, 11 min 16 s left");
+        assert_eq!(line(&progress, 68), " 47 %, 960 of 2048 spp, error 1.07 %, 11 min 16 s left");
+        assert_eq!(line(&progress, 53), " 47 %, 960 of 2048 spp, 11 min 16 s left");
+        assert_eq!(line(&progress, 39), " 47 %, 960 spp, 11 min 16 s left");
     }
 
     #[test]

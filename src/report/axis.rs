@@ -213,7 +213,7 @@ mod tests {
         assert_eq!(labels(Scale::Linear, &[0.0, 1.0]), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(labels(Scale::Linear, &[76.7, 100.0]), ["75", "80", "85", "90", "95", "100"]);
         assert_eq!(labels(Scale::Log, &[1.0, 1500.0]), ["1", "10", "100", "1000"]);
-        assert_eq!(labels(Scale::Log, &[1e-9, 1e3]), ["10⁻⁹", "10⁻⁶", "0.001", "1", "1000"].map(String::from));
+        assert_eq!(labels(Scale::Log, &[1e-9, 1e3]), ["10⁻⁸", "10⁻⁶", "10⁻⁴", "0.01", "1", "100"]);
         assert_eq!(labels(Scale::Log, &[3.0, 40.0]), ["2", "5", "10", "20", "50"]);
         assert_eq!(labels(Scale::Log, &[3.1, 4.9]), ["3.0", "3.5", "4.0", "4.5", "5.0"]);
         assert_eq!(labels(Scale::Log, &[0.06, 7.0]), ["0.05", "0.1", "0.2", "0.5", "1", "2", "5", "10"]);

@@ -7,6 +7,8 @@
 //!
 //! ```text
 //! scene_file (toml_table, nearest)     what a .toml scene says, with lines
+//! refusals                             all that is wrong in a file, told at once
+//! foreign                              other formats, and how they become readable
 //! obj_scan, mtl_scan (recipe, number)  own every refusal of OBJ and MTL
 //!   → obj_mesh                         tobj builds triangles in file order
 //!   → assemble (transform)             meshes placed, materials by name, f64
