@@ -1,6 +1,7 @@
 //! What is meant by a command line that names no command, or an option that goes by another name here.
 //!
-//! Comes in: what clap could not parse, and the arguments. Goes out: a sentence that says what to type, if that is known.
+//! Comes in: what clap could not parse, and the arguments. Goes out: a sentence that says what to type, if that is
+//! known.
 
 use std::path::Path;
 

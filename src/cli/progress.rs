@@ -183,7 +183,8 @@ mod tests {
         assert_eq!(line(&Progress { spp_target: 4, ..Progress::default() }), "  0 %, 0 of 4 spp");
     }
 
-    /// Of 2^32 - 1 samples without another rule, in the first moment, and of a time limit that the first sample overruns.
+    /// Of 2^32 - 1 samples without another rule, in the first moment, and of a time limit that the first sample
+    /// overruns.
     #[test]
     fn no_time_left_is_told_before_it_is_known() {
         let target = Target { error: 0.01, confidence: 0.95 };

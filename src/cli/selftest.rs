@@ -130,7 +130,7 @@ impl SelftestArgs {
         } else {
             validation.iter().for_each(|message| streams::say(&format!("validation: {message}")));
             streams::answer(&summary(&report, seconds))?;
-            streams::answer(&streams::folded(&verdict(&report, validation.len(), asked), 0))?;
+            streams::answer(&streams::folded(&format!("verdict: {}", verdict(&report, validation.len(), asked)), 0))?;
         }
         Ok(match (signals.received(), failed + validation.len()) {
             (Some(signal), _) => Outcome::Signal(signal),
@@ -242,22 +242,20 @@ fn verdict(report: &[CaseReport], validation: usize, whole: bool) -> String {
     let (failed, not_run) = (of(Verdict::Fail), of(Verdict::Error));
     if failed > 0 {
         let means = "its pictures can be wrong in the ways told above";
-        return format!("verdict: do not trust this device yet: {} failed, and {means}", count(failed, "case"));
+        return format!("do not trust this device yet: {} failed, and {means}", count(failed, "case"));
     }
     if not_run > 0 {
-        return format!("verdict: unknown, as {} could not be run; nothing that ran failed", count(not_run, "case"));
+        return format!("unknown, as {} could not be run; nothing that ran failed", count(not_run, "case"));
     }
     if validation > 0 {
         let messages = count(validation, "message");
-        return format!(
-            "verdict: every case passed, but Vulkan was not used as it should be: {messages} of validation"
-        );
+        return format!("every case passed, but Vulkan was not used as it should be: {messages} of validation");
     }
     match (whole, of(Verdict::Pass)) {
-        (_, 0) => "verdict: none, as no case ran on the device".into(),
-        (true, _) => "verdict: this device can be trusted with pictures: every case that ran passed".into(),
+        (_, 0) => "none, as no case ran on the device".into(),
+        (true, _) => "this device can be trusted with pictures: every case that ran passed".into(),
         (false, passed) => {
-            format!("verdict: {} passed; the device can be trusted as far as that goes", count(passed, "case"))
+            format!("{} passed; the device can be trusted as far as that goes", count(passed, "case"))
         }
     }
 }
@@ -304,7 +302,7 @@ mod tests {
             (vec![tests()], 0, false, "none, as no case ran"),
         ] {
             let verdict = verdict(&ran(outcomes), validation, whole);
-            assert!(verdict.starts_with("verdict: ") && verdict.contains(words), "{verdict}");
+            assert!(verdict.contains(words), "{verdict}");
             assert!(!verdict.contains('\n') && verdict.chars().count() < 160, "{verdict}");
         }
     }

@@ -1,6 +1,7 @@
 //! Environment variables that choose among the installed drivers, for the case that no driver is found.
 //!
-//! Comes in: the environment. Goes out: a sentence on each variable that is set, with its value and what is wrong with it.
+//! Comes in: the environment. Goes out: a sentence on each variable that is set, with its value and what is wrong with
+//! it.
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;

@@ -173,7 +173,8 @@ fn no_driver(code: vk::Result) -> Error {
     }
 }
 
-/// What to do where there is a loader and no driver that finds a device: a variable that hides the installed ones is named.
+/// What to do where there is a loader and no driver that finds a device: a variable that hides the installed ones is
+/// named.
 pub(super) fn no_driver_message() -> String {
     const INSTALL: &str = "install one, for example `mesa-vulkan-drivers` (Debian, Ubuntu, Fedora) or `vulkan-swrast` \
                            (Arch), which includes lavapipe for CPUs";

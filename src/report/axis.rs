@@ -37,10 +37,13 @@ impl Axis {
     }
 }
 
+/// Larger values count as infinite, so that an axis that spans them is finite.
+const LARGEST: f64 = f64::MAX / 16.0;
+
 impl Scale {
     /// Whether a value has a place.
     pub fn shows(self, value: f64) -> bool {
-        value.is_finite() && (self == Scale::Linear || value > 0.0)
+        value.abs() <= LARGEST && (self == Scale::Linear || value > 0.0)
     }
 
     fn length(self, value: f64) -> f64 {
@@ -84,8 +87,8 @@ const SOME_DECADES: f64 = 2.4;
 const MANY_DECADES: f64 = 6.0;
 
 impl Ruler {
-    /// Spans `values` and ends at round ones, so that ticks cover all of it; `None` where the scale shows none of them. A
-    /// linear one begins at 0 where the smallest value is less than two fifths of the largest.
+    /// Spans `values` and ends at round ones, so that ticks cover all of it; `None` where the scale shows none of them.
+    /// A linear one begins at 0 where the smallest value is less than two fifths of the largest.
     pub fn of(scale: Scale, values: impl Iterator<Item = f64>, start: f64, end: f64) -> Option<Ruler> {
         let shown: Vec<f64> = values.filter(|&value| scale.shows(value)).map(|value| scale.length(value)).collect();
         let low = shown.iter().copied().reduce(f64::min)?;
@@ -135,7 +138,8 @@ impl Ruler {
         let slack = step * 1e-6;
         let first = ((low - slack) / step).ceil();
         let values = (0..9).map(|i| (first + f64::from(i)) * step).take_while(|value| *value <= high + slack);
-        values.map(|value| Tick { value: value.clamp(low, high), label: number::tick(value, step) }).collect()
+        let shown = values.filter(|value| self.scale.shows(*value));
+        shown.map(|value| Tick { value: value.clamp(low, high), label: number::tick(value, step) }).collect()
     }
 
     /// Powers of ten, every so many named, and ticks between them.
@@ -147,7 +151,8 @@ impl Ruler {
             |exponent: i32, factor: f64| exponent.rem_euclid(every) == 0 && (factor == 1.0 || decades <= SOME_DECADES);
         let exponents = (self.low.floor() as i32)..=(self.high.ceil() as i32);
         let values = exponents.flat_map(|exponent| factors.iter().map(move |&factor| (exponent, factor)));
-        let inside = |value: f64| (self.low - 1e-9..=self.high + 1e-9).contains(&value.log10());
+        let inside =
+            |value: f64| self.scale.shows(value) && (self.low - 1e-9..=self.high + 1e-9).contains(&value.log10());
         let tick = |(exponent, factor): (i32, f64)| {
             let value = factor * 10f64.powi(exponent);
             let label = if is_named(exponent, factor) { number::log_tick(value) } else { String::new() };
@@ -165,21 +170,23 @@ fn step(low: f64, high: f64) -> f64 {
     step.unwrap_or(10.0 * power)
 }
 
-/// Round ends around `low` and `high`, lengths of the scale, with the distance of ticks where that is even; `None` where
-/// numbers are too large, too small or too near to each other for that.
+/// Round ends around `low` and `high`, lengths of the scale, with the distance of ticks where that is even; `None`
+/// where numbers are too large, too small or too near to each other for that.
 fn rounded(scale: Scale, low: f64, high: f64) -> Option<(f64, f64, Option<f64>)> {
     let even = |low: f64, high: f64| {
         let step = step(low, high);
-        let usable = step.is_normal() && low.abs().max(high.abs()) < 1e300 && step > 1e-9 * low.abs().max(high.abs());
+        let usable = step.is_normal() && step > 1e-9 * low.abs().max(high.abs());
         let (first, last) = ((low / step).floor() * step, (high / step).ceil() * step);
         (usable && first.is_finite() && last.is_finite()).then(|| (first.min(low), last.max(high), step))
     };
     if scale == Scale::Linear {
         return even(low, high).map(|(low, high, step)| (low, high, Some(step)));
     }
-    if high - low < FEW_DECADES {
-        let (first, last, step) = even(10f64.powf(low), 10f64.powf(high))?;
-        return (first > 0.0).then(|| (first.log10().min(low), last.log10().max(high), Some(step)));
+    if high - low < FEW_DECADES
+        && let Some((first, last, step)) = even(10f64.powf(low), 10f64.powf(high))
+        && first > 0.0
+    {
+        return Some((first.log10().min(low), last.log10().max(high), Some(step)));
     }
     let factors: &[f64] = if high - low <= MANY_DECADES - 0.8 { &[1.0, 2.0, 5.0, 10.0] } else { &[1.0, 10.0] };
     let ends = |length: f64| factors.iter().map(move |factor| length.floor() + factor.log10());

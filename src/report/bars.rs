@@ -150,7 +150,8 @@ fn row(bar: &Bar, unit_name: &str, top: f64, ruler: &Ruler) -> Markup {
     html! {
         text.name x="2" y=(name_at) { (cut(&bar.full_name())) }
         line.zero x1=(unit(zero)) y1=(bar_at - 3.0) x2=(unit(zero)) y2=(bar_at + BAR + 3.0) {}
-        rect.mark.s0.default[bar.is_default] x=(unit(end.min(zero))) y=(bar_at) width=(unit((end - zero).abs().max(1.0))) height=(BAR) {
+        rect.mark.s0.default[bar.is_default] x=(unit(end.min(zero))) y=(bar_at)
+            width=(unit((end - zero).abs().max(1.0))) height=(BAR) {
             title { (tip.trim_end()) }
         }
         @if ends.iter().any(Option::is_some) { path.whisker d=(whisker) {} }

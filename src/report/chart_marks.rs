@@ -97,11 +97,11 @@ fn axes(chart: &Chart, frame: &Frame) -> Markup {
     html! {
         g.axis {
             @for (x, tick) in at(&frame.x) {
-                line.grid x1=(unit(x)) y1=(if tick.label.is_empty() { BOTTOM - MINOR } else { TOP }) x2=(unit(x)) y2=(BOTTOM) {}
+                line.grid x1=(unit(x)) y1=(tick_end(&tick, BOTTOM - MINOR, TOP)) x2=(unit(x)) y2=(BOTTOM) {}
                 text x=(unit(x)) y=(BOTTOM + 19.0) text-anchor="middle" { (tick.label) }
             }
             @for (y, tick) in at(&frame.y) {
-                line.grid x1=(LEFT) y1=(unit(y)) x2=(if tick.label.is_empty() { LEFT + MINOR } else { RIGHT }) y2=(unit(y)) {}
+                line.grid x1=(LEFT) y1=(unit(y)) x2=(tick_end(&tick, LEFT + MINOR, RIGHT)) y2=(unit(y)) {}
                 text x=(LEFT - 8.0) y=(unit(y + 4.5)) text-anchor="end" { (tick.label) }
             }
             path.frame d=(format!("M{LEFT} {TOP}V{BOTTOM}H{RIGHT}")) {}
@@ -110,6 +110,11 @@ fn axes(chart: &Chart, frame: &Frame) -> Markup {
             text.name x="4" y=(TOP - 18.0) { (chart.y.title()) }
         }
     }
+}
+
+/// Where a tick's line ends: at `minor` without a name, else across the drawing.
+fn tick_end(tick: &Tick, minor: f64, across: f64) -> f64 {
+    if tick.label.is_empty() { minor } else { across }
 }
 
 /// The laws through the points' centre with the ends of the slope's interval.

@@ -18,12 +18,14 @@ pub fn foreign_format(path: &Path) -> Option<String> {
     let is_in = |list: &[&str]| list.contains(&extension.as_str());
     Some(if is_in(&MODELS) {
         format!(
-            "a model in the format .{extension} cannot be read; readable are .obj models and .toml scenes that name them. \
+            "a model in the format .{extension} cannot be read; readable are .obj models and .toml scenes that name \
+             them. \
              Open or import it in Blender and export it: File > Export > Wavefront (.obj)"
         )
     } else if is_in(&SCENES) {
         format!(
-            "a scene in the format .{extension} cannot be read; readable are .toml scenes (scenes/cornell-box.toml is one) \
+            "a scene in the format .{extension} cannot be read; readable are .toml scenes (scenes/cornell-box.toml is \
+             one) \
              and .obj models. Export its meshes as Wavefront .obj, and write the camera and materials into a .toml"
         )
     } else if extension == "mtl" {

@@ -1,7 +1,7 @@
 //! From a path to a [`Scene`].
 //!
-//! Comes in: the path of a `.toml` scene or a bare `.obj`. Goes out: a checked scene, or all that is refused in the first
-//! file that is. A bare OBJ gets a camera that frames its bounds, and a white sky if nothing in it emits.
+//! Comes in: the path of a `.toml` scene or a bare `.obj`. Goes out: a checked scene, or all that is refused in the
+//! first file that is. A bare OBJ gets a camera that frames its bounds, and a white sky if nothing in it emits.
 
 use std::path::Path;
 

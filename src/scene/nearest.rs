@@ -1,7 +1,7 @@
 //! The known name that is nearest to a mistyped one.
 //!
-//! Comes in: a name and the known names. Goes out: the known name of the least edit distance, the first among equals; none
-//! where the least distance is so large that another name must have been meant.
+//! Comes in: a name and the known names. Goes out: the known name of the least edit distance, the first among equals;
+//! none where the least distance is so large that another name must have been meant.
 
 use super::source_text::quoted;
 

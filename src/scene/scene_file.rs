@@ -122,7 +122,8 @@ fn need<'a>(table: &Table<'a>, key: &str, known: &[&str], refusals: &mut Refusal
     }
 }
 
-/// The table of `entry`, with a refusal of each key that is neither `known` nor `unbuilt`, and of each that is `unbuilt`.
+/// The table of `entry`, with a refusal of each key that is neither `known` nor `unbuilt`, and of each that is
+/// `unbuilt`.
 fn open<'a>(
     entry: &Entry<'a>,
     name: &'a str,

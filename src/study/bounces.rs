@@ -288,7 +288,8 @@ fn plain(scene: &str, figure: impl Fn(Case, &str) -> Option<f64>) -> Option<Stri
     let share = |cap| Some(100.0 * figure(Case::Whole(cap), "brightness_to_longest")?);
     let times = figure(Case::Whole(DEFAULT_CAP), "seconds")? / figure(Case::Whole(1), "seconds")?;
     Some(format!(
-        "{scene}: one bounce shows {:.0} % of the light; {DEFAULT_CAP}, the default, show {:.1} % and take {} times as long.",
+        "{scene}: one bounce shows {:.0} % of the light; {DEFAULT_CAP}, the default, show {:.1} % and take {} times \
+         as long.",
         share(1)?,
         share(DEFAULT_CAP)?,
         digits(times)

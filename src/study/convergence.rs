@@ -225,7 +225,8 @@ fn plain(scene: &str, curves: &[Curve]) -> Option<String> {
         return Some(format!("{scene}: an error of 1 % takes {seconds} s with the defaults."));
     };
     Some(format!(
-        "{scene}: an error of 1 % takes {seconds} s with the defaults; with one choice changed, from {} times as long ({}) to {} \
+        "{scene}: an error of 1 % takes {seconds} s with the defaults; with one choice changed, from {} times as long \
+         ({}) to {} \
          times ({}).",
         digits(times(best)),
         best.name,

@@ -36,8 +36,10 @@ fn report(folder: &Path, origin: &Origin) -> Report {
         .collect();
     let measurements: usize = studied.iter().map(|(_, rows)| rows.all().len()).sum();
     let lead = format!(
-        "From {measurements} measurements on {}; the raw rows are beside this file. Errors are relative: of a pixel's difference to \
-         its reference over the reference, where 0.1 counts as dark. \"The default\" is what `texray render` does unless it is told \
+        "From {measurements} measurements on {}; the raw rows are beside this file. Errors are relative: of a pixel's \
+         difference to \
+         its reference over the reference, where 0.1 counts as dark. \"The default\" is what `texray render` does \
+         unless it is told \
          otherwise.",
         origin.device
     );
@@ -55,7 +57,8 @@ fn report(folder: &Path, origin: &Origin) -> Report {
     }
 }
 
-/// The first sentence of each study, then the second of each, and so on, as far as [`OPENING`] goes; in the order of the studies.
+/// The first sentence of each study, then the second of each, and so on, as far as [`OPENING`] goes; in the order of
+/// the studies.
 fn opening(plain: &[&[String]]) -> Vec<String> {
     let longest = plain.iter().map(|sentences| sentences.len()).max().unwrap_or(0);
     let turns = (0..longest).flat_map(|turn| (0..plain.len()).map(move |study| (study, turn)));

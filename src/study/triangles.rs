@@ -290,7 +290,8 @@ fn plain(scene: &str, figure: impl Fn(Tree, usize, &str) -> Option<f64>) -> Opti
     let most = COUNTS[COUNTS.len() - 1];
     let of = |tree, count| figure(tree, count, "ns_per_ray");
     Some(format!(
-        "{scene} triangles: {} times as many make a ray take {} times as long; at 100,000 the tree makes it {} times as fast as \
+        "{scene} triangles: {} times as many make a ray take {} times as long; at 100,000 the tree makes it {} times \
+         as fast as \
          testing all of them.",
         most / LARGE,
         digits(of(Tree::Default, most)? / of(Tree::Default, LARGE)?),
