@@ -29,6 +29,18 @@ check_rust() {
         fail "cargo $have is too old; Rust $need or newer is needed (rustup update)"
 }
 
+# Rust links with the C compiler's driver.
+check_linker() {
+    local how
+    command -v cc >/dev/null && return
+    case $manager in
+        apt-get) how="apt-get install build-essential" ;;
+        dnf) how="dnf install gcc" ;;
+        pacman) how="pacman -S base-devel" ;;
+    esac
+    fail "there is no C linker (cc), which cargo needs; install one: $how"
+}
+
 # Prints those of the packages that are not installed.
 missing() {
     local package
@@ -53,9 +65,10 @@ elif command -v pacman >/dev/null; then
     manager=pacman
     packages=(glslang vulkan-icd-loader vulkan-swrast vulkan-validation-layers)
 else
-    fail "no apt-get, dnf or pacman here. Install by hand: glslang, the Vulkan loader, a Vulkan driver, and the Khronos" \
-        "validation layers; then run cargo."
+    fail "no apt-get, dnf or pacman here. Install by hand: a C linker (cc), glslang, the Vulkan loader, a Vulkan driver, and" \
+        "the Khronos validation layers; then run cargo."
 fi
+check_linker
 
 mapfile -t wanted < <(missing "${packages[@]}")
 if [ "${#wanted[@]}" -eq 0 ]; then

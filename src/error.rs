@@ -23,6 +23,14 @@ pub enum Error {
         /// What is wrong, with the value found and what is allowed.
         message: String,
     },
+    /// Several things of the files of a scene are refused, each by an [`Error::Scene`].
+    #[error("{}", lines(refusals, *more))]
+    Scenes {
+        /// The refusals, in the order in which they are to be told.
+        refusals: Vec<Error>,
+        /// How many more there are.
+        more: usize,
+    },
     /// Something needs more than there is.
     #[error("{what}: {need} needed, {have} available")]
     Limit {
@@ -76,11 +84,20 @@ impl Error {
         match self {
             Error::Internal(_) => 1,
             Error::Usage(_) => 2,
-            Error::Scene { .. } => 3,
+            Error::Scene { .. } | Error::Scenes { .. } => 3,
             Error::NoDevice(_) | Error::DeviceLost(_) | Error::Vulkan { .. } | Error::Limit { .. } => 4,
             Error::Output { .. } => 5,
         }
     }
+}
+
+/// A line a refusal.
+fn lines(refusals: &[Error], more: usize) -> String {
+    let mut lines: Vec<String> = refusals.iter().map(Error::to_string).collect();
+    if more > 0 {
+        lines.push(format!("and {more} more like these"));
+    }
+    lines.join("\n")
 }
 
 fn place(path: &Path, line: usize) -> String {

@@ -53,7 +53,11 @@ fn main() -> ExitCode {
             u8::try_from(error.exit_code()).unwrap_or(INTERNAL)
         }
         Ok(Err(Failure::Command(error))) => {
-            say(&format!("error: {error}"));
+            // Several refusals of a scene are a line each.
+            let text = error.to_string();
+            let several = matches!(error, texray::Error::Scenes { .. });
+            let parts = if several { text.lines().collect() } else { vec![text.as_str()] };
+            parts.iter().for_each(|part| say(&format!("error: {part}")));
             let mut cause = error.source();
             while let Some(error) = cause {
                 say(&format!("  caused by: {error}"));

@@ -74,7 +74,7 @@ const OPTIONS: [&str; 39] = [
     "-q,",
     "-v,",
 ];
-const NOT_BUILT_OPTIONS: [&str; 5] = ["--samples", "--adaptive", "--checkpoint", "--checkpoint-every", "--resume"];
+const NOT_BUILT_OPTIONS: [&str; 4] = ["--adaptive", "--checkpoint", "--checkpoint-every", "--resume"];
 const NOT_BUILT_COMMANDS: [&str; 3] = ["view", "merge", "film"];
 
 #[test]
@@ -125,6 +125,68 @@ fn what_is_not_built_is_refused_by_name() {
         refused(&["render", option, "scene.toml"], 2, &text);
         refused(&["render", "scene.toml", &format!("{option}=1")], 2, &text);
     }
+}
+
+/// What is typed by someone who does not know texray yet leads to what they mean.
+#[test]
+fn other_words_lead_to_the_right_ones() {
+    for (arguments, text) in [
+        (&["scene.toml"][..], "a command is missing; to render scene.toml: texray render scene.toml\n"),
+        (&["a b/it's.obj", "--spp", "4"], "texray render 'a b/it'\\''s.obj' --spp 4\n"),
+        (&["--spp", "4", "scene.toml"], "texray render --spp 4 scene.toml\n"),
+        (&["a.exr"], "texray compare A.exr B.exr"),
+        (&["model.glb"], "File > Export > Wavefront (.obj)"),
+        (
+            &["render", "scene.toml", "--samples", "16"],
+            "--samples 16 is not an option: for 16 samples a pixel, use --spp 16",
+        ),
+        (&["render", "scene.toml", "--samples=16"], "use --spp 16"),
+        (&["render", "--samples", "many", "scene.toml"], "use --spp N"),
+        (&["render", "scene.toml", "--samples"], "use --spp N"),
+        (&["render", "scene.toml", "--samples=0..16"], "--samples FIRST..END is not built yet"),
+        (&["render", "scene.toml", "--width", "640"], "--width is no option of texray; use --size WxH"),
+        (&["render", "scene.toml", "--bounces=4"], "use --max-bounces N"),
+        (&["render", "scene.toml", "--target-error", "1"], "use 1% or 0.01 for 1 per cent"),
+        (&["render", "scene.toml", "--max-bias=2.5"], "use 2.5% or 0.025 for 2.5 per cent"),
+        (&["render", "scene.toml", "--target-error=1%", "--confidence", "95"], "use 95%"),
+    ] {
+        refused(arguments, 2, text);
+    }
+    // What clap knows itself is left to it.
+    refused(&["selftset"], 2, "a similar subcommand exists: 'selftest'");
+}
+
+/// A model in another format is told what to do with it, alone or named by a scene.
+#[test]
+fn models_of_other_formats_are_told_how_they_become_readable() {
+    for extension in ["gltf", "GLB", "fbx", "ply", "stl", "blend", "dae", "usdz", "3ds", "abc"] {
+        let text = format!("model.{extension}: a model in the format .{} cannot be read", extension.to_lowercase());
+        for command in ["render", "explain"] {
+            refused(&[command, &format!("model.{extension}")], 3, &text);
+        }
+        refused(&["render", &format!("model.{extension}")], 3, "File > Export > Wavefront (.obj)");
+    }
+    for extension in ["xml", "pbrt", "json"] {
+        refused(&["render", &format!("scene.{extension}")], 3, "Export its meshes as Wavefront .obj");
+    }
+    refused(&["render", "a.mtl"], 3, "give the .obj file that names it");
+    refused(&["render", "scene"], 3, "not a scene; allowed are files that end in .toml or .obj");
+}
+
+/// Every line of an answer with several errors begins as one error does.
+#[test]
+fn all_errors_of_a_file_are_told_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene =
+        "[camera]\nlook_at = [0, 0, 0]\nup = [0, 1]\n[[sphere]]\n[[mesh]]\nfile = \"a.gltf\"\n[material.m]\nkd = 2\n";
+    fs::write(folder.path().join("a.toml"), scene).unwrap();
+    let output = texray(folder.path(), &["render", "a.toml"]);
+    let message = stderr(&output);
+    let places: Vec<&str> = message.lines().map(|line| &line[..line.len().min(15)]).collect();
+    let of = |line: usize| format!("error: a.toml:{line}");
+    let expected: Vec<String> = [1, 1, 1, 2, 3, 4, 6, 8].map(of).into();
+    assert!(places.iter().zip(&expected).all(|(line, place)| line.starts_with(place)), "{message}");
+    assert_eq!((places.len(), output.status.code()), (expected.len(), Some(3)), "{message}");
 }
 
 #[test]

@@ -309,11 +309,14 @@ fn the_self_test_tells_of_each_case() {
     assert_eq!((&cases[0]["case"], &cases[0]["verdict"]), (&4.into(), &"pass".into()));
     assert!(!cases[0]["findings"].as_array().unwrap().is_empty());
     assert_eq!(cases[1]["verdict"], "shown_by_tests");
+    assert!(document["verdict"].as_str().is_some_and(|verdict| verdict.starts_with("1 case passed")));
 
     let output = texray(folder.path(), &["selftest", "--case", "4", "--case", "17", "--case", "75", "--verbose"]);
     assert_eq!(output.status.code(), Some(0));
     let table = text(&output.stdout);
     assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
+    let last = table.lines().last().unwrap_or_default();
+    assert_eq!(last, "verdict: 1 case passed; the device can be trusted as far as that goes");
     for line in ["  4  ok     min, max and clamp of NaN", " 17  tests  triangles without area", " 75  later  "] {
         assert!(table.contains(line), "{line} in\n{table}");
     }

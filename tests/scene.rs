@@ -58,7 +58,7 @@ fn every_refusal_has_file_line_value_and_what_is_allowed() {
     let mut check = |files: &[(&str, &[u8])], expected: &str| {
         let files = Files::new(files);
         let refusal = match files.load() {
-            Err(error @ Error::Scene { .. }) => files.strip(&error.to_string()),
+            Err(error @ (Error::Scene { .. } | Error::Scenes { .. })) => files.strip(&error.to_string()),
             Err(error) => format!("the wrong kind of error: {error:?}"),
             Ok(scene) => files.strip(&format!("no refusal, warnings {:?}", scene.report.warnings)),
         };
@@ -83,6 +83,51 @@ fn every_refusal_has_file_line_value_and_what_is_allowed() {
     let long = format!("{OBJ}# {}\n", "x".repeat(1 << 20));
     check(&[("a.obj", long.as_bytes())], "a.obj:5: a line of 1048578 bytes; allowed are 1048576");
     assert!(wrong.is_empty(), "{} of the refusals differ:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// The README's first scene loads as it stands, and its recipes make the materials that they are named after.
+#[test]
+fn the_first_scene_and_the_recipes_of_the_readme_are_right() {
+    let readme = include_str!("../README.md");
+    let first = readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files = Files::new(&[("first.toml", first.replace("scenes/", "").as_bytes())]);
+    for mesh in ["bunny.obj", "stage.obj", "stage.mtl"] {
+        let from = root.join("scenes").join(mesh);
+        if from.exists() {
+            std::fs::copy(from, files.folder.path().join(mesh)).unwrap();
+        }
+    }
+    let scene = files.load().unwrap();
+    assert_eq!(scene.report.warnings, Vec::<String>::new());
+    assert!(scene.check_emits().is_ok() && scene.sky.is_some());
+
+    let recipes = readme.lines().skip_while(|line| !line.starts_with("| material |")).skip(2);
+    let mut names = Vec::new();
+    for line in recipes.take_while(|line| line.starts_with('|')) {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let statements = |cell: &str| cell.split('`').skip(1).step_by(2).collect::<Vec<_>>().join("\n");
+        let kinds = [
+            Files::new(&[
+                ("a.obj", format!("mtllib a.mtl\nusemtl m\n{OBJ}").as_bytes()),
+                ("a.mtl", format!("newmtl m\n{}\n", statements(cells[2])).as_bytes()),
+            ])
+            .load()
+            .unwrap(),
+            load_toml(&format!("[material.m]\n{}\n", statements(cells[3])), &format!("usemtl m\n{OBJ}")).unwrap(),
+        ]
+        .map(|scene| (scene.materials[0].kind, scene.materials[0].emits()));
+        assert_eq!(kinds[0], kinds[1], "{line}");
+        let is_right = match (cells[1], kinds[0]) {
+            ("matte", (MaterialKind::Lambert { .. }, emits)) => !emits,
+            ("mirror", (MaterialKind::Mirror { .. }, _)) | ("glass", (MaterialKind::Glass { .. }, _)) => true,
+            ("lamp", (MaterialKind::Lambert { .. }, emits)) => emits,
+            _ => false,
+        };
+        assert!(is_right, "{line}: {:?}", kinds[0]);
+        names.push(cells[1].to_owned());
+    }
+    assert_eq!(names, ["matte", "mirror", "glass", "lamp"]);
 }
 
 #[test]

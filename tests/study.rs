@@ -70,19 +70,26 @@ fn program(path: &Path, script: &str) {
 #[test]
 fn speed_is_measured_beside_a_peer_and_goes_on_where_it_stopped() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let out = folder.path().join("out");
+    // What is remade by a command has to be quoted in it.
+    let out = folder.path().join("out, it's here");
     let python = fake_python(folder.path());
-    let run = |json: bool| {
-        let mut command = speed(&out);
-        command.arg("--peers").arg(folder.path()).env("MITSUBA_PYTHON", &python);
+    let with_peers = |mut command: Command| {
         let others = std::env::var_os("PATH").unwrap_or_default();
         let paths = [folder.path().to_owned()].into_iter().chain(std::env::split_paths(&others));
         command.env("PATH", std::env::join_paths(paths).expect("paths without a colon"));
-        command.args(json.then_some("--json")).output().expect("texray starts")
+        command.output().expect("the program starts")
+    };
+    let run = |json: bool| {
+        let mut command = speed(&out);
+        command.arg("--peers").arg(folder.path()).env("MITSUBA_PYTHON", &python).args(json.then_some("--json"));
+        with_peers(command)
     };
     let first = run(false);
     let summary = succeeded(&first);
     assert!(summary.lines().all(|line| line.chars().count() <= 80), "{summary}");
+    let last = summary.lines().last().unwrap_or_default();
+    assert_eq!(last, format!("report: {}", out.join("report.html").display()));
+    assert!(out.join("report.html").is_file());
     for words in ["cornell-box: 38 triangles", "relMSE * spp", "start to first picture", "mitsuba-no-roulette: 2.50"] {
         assert!(summary.contains(words), "{words:?} in {summary}");
     }
@@ -122,6 +129,26 @@ fn speed_is_measured_beside_a_peer_and_goes_on_where_it_stopped() {
     assert_eq!(answer["rows"].as_array().map(Vec::len), Some(rows.len()));
     let progress = text(&again.stderr);
     assert_eq!(progress.lines().filter(|line| line.contains(&format!("/{} ", rows.len()))).count(), 2, "{progress}");
+    let last = progress.lines().last().unwrap_or_default();
+    assert_eq!(last, format!("report: {}", out.join("report.html").display()));
+
+    // The command of the report goes on in the same folder, where nothing is left to do.
+    let json = fs::read_to_string(out.join("speed.json")).expect("the rows are on disk");
+    let document: Value = serde_json::from_str(&json).expect("the rows are JSON");
+    let command = document["remade_by"].as_str().expect("a command");
+    let page = fs::read_to_string(out.join("report.html")).expect("the report is there");
+    let page = scraper::Html::parse_document(&page);
+    let selector = scraper::Selector::parse(".command").expect("a selector");
+    let shown: Vec<String> = page.select(&selector).map(|element| element.text().collect()).collect();
+    assert_eq!(shown, [command]);
+    for part in ["MITSUBA_PYTHON=", " --quick ", " --peers ", " --out "] {
+        assert!(command.contains(part), "{command}");
+    }
+    let mut pasted = Command::new("sh");
+    pasted.arg("-c").arg(command);
+    let pasted = with_peers(pasted);
+    assert_eq!(succeeded(&pasted), summary);
+    assert!(!text(&pasted.stderr).contains(&format!("/{} ", rows.len())), "{}", text(&pasted.stderr));
 }
 
 /// Lets a number of measurements be made, then asks for a stop.
@@ -160,7 +187,7 @@ fn least(kind: Kind, out: &Path, patience: usize) -> (Ended, Rows) {
         cores: 1,
         command: format!("texray study {}", kind.name()),
     };
-    let mut rows = Rows::open(out, origin).expect("the folder can be written");
+    let mut rows = Rows::open(out, origin, None).expect("the folder can be written");
     let mut patience = Patience { left: patience };
     let mut study = kind.open(context(), &plan, &mut patience).expect("the study can be made");
     let ended = study::run(study.as_mut(), &mut rows, &mut patience).expect("the study ends");

@@ -11,6 +11,7 @@ mod dry_run;
 mod engine;
 mod explain;
 mod limits;
+mod meant;
 mod not_built;
 mod outputs;
 mod parse;
@@ -20,6 +21,7 @@ mod render;
 mod save;
 mod selftest;
 mod settings;
+mod shell;
 mod signals;
 mod stop;
 pub mod streams;
@@ -83,9 +85,12 @@ enum Command {
 /// Runs the command that the process was started with, at `started`.
 pub fn run(started: Instant) -> Result<Outcome, Failure> {
     signals::survive_large_files();
-    let arguments = Arguments::try_parse().map_err(|error| match not_built::named_by(&error) {
-        Some(name) => Failure::Command(texray::Error::Usage(format!("{name} is not built yet"))),
-        None => Failure::Arguments(error),
+    let arguments = Arguments::try_parse().map_err(|error| {
+        let typed: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+        match meant::of(&error, &typed) {
+            Some(sentence) => Failure::Command(texray::Error::Usage(sentence)),
+            None => Failure::Arguments(error),
+        }
     })?;
     let outcome = match arguments.command {
         Command::Render(arguments) => arguments.run(started)?,

@@ -88,16 +88,29 @@ fn share(text: &str) -> Option<f64> {
     share.is_finite().then_some(share)
 }
 
-/// A relative error.
+/// A number of 1 or more without a sign of per cent: whoever types it means per cent, which it would not be.
+fn bare_percentage(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 1.0)
+}
+
+/// A relative error, or a share of the light.
 pub fn ratio(text: &str) -> Result<f64, String> {
-    let allowed = "use a relative error above 0, at most 1000 %, such as 1% or 0.01";
+    if let Some(number) = bare_percentage(text).filter(|number| *number <= 1000.0) {
+        let (percent, ratio) = (number * 100.0, number / 100.0);
+        return Err(format!("without a % sign that is {percent} %; use {number}% or {ratio} for {number} per cent"));
+    }
+    let allowed = "use a ratio above 0, at most 1000 %, such as 1% or 0.01";
     share(text).filter(|share| *share > 0.0 && *share <= 10.0).ok_or_else(|| allowed.into())
 }
 
 /// A confidence.
 pub fn confidence(text: &str) -> Result<f64, String> {
+    let fits = |share: &f64| (0.5..=0.999_999).contains(share);
+    if let Some(number) = bare_percentage(text).filter(|number| fits(&(number / 100.0))) {
+        return Err(format!("without a % sign that is {} %; use {number}%", number * 100.0));
+    }
     let allowed = "use a probability from 50 % to 99.9999 %, such as 95% or 0.95";
-    share(text).filter(|share| (0.5..=0.999_999).contains(share)).ok_or_else(|| allowed.into())
+    share(text).filter(fits).ok_or_else(|| allowed.into())
 }
 
 /// Exposure in stops.
@@ -164,6 +177,14 @@ mod tests {
         for bad in ["", "1", "100%", "49%", "95"] {
             assert!(confidence(bad).is_err(), "{bad}");
         }
+        // A bare number of 1 or more is taken for a slip, and the percentage that is meant is named.
+        for (bare, meant) in [("1", "use 1% or 0.01"), ("2.5", "use 2.5% or 0.025"), ("1e1", "use 10% or 0.1")] {
+            assert!(ratio(bare).is_err_and(|message| message.contains(meant)), "{bare}");
+        }
+        assert_eq!((ratio("0.99"), ratio("150%")), (Ok(0.99), Ok(1.5)));
+        assert!(confidence("95").is_err_and(|message| message.contains("use 95%")));
+        assert!(confidence("1").is_err_and(|message| message.contains("from 50 %")));
+        assert!(ratio("1001").is_err_and(|message| message.contains("at most 1000 %")));
     }
 
     #[test]

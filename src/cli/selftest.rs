@@ -47,6 +47,8 @@ struct Document<'a> {
     /// The signal that ended the run before its last case.
     stopped_by: Option<u8>,
     validation: &'a [String],
+    /// What it says of the device, in one sentence.
+    verdict: String,
     cases: Vec<CaseLine>,
 }
 
@@ -111,6 +113,7 @@ impl SelftestArgs {
         let seconds = started.elapsed().as_secs_f64();
         let validation = engine.validation();
         let failed = report.iter().filter(|found| !found.outcome.passes()).count();
+        let asked = self.cases.is_empty() && signals.received().is_none();
         if self.json {
             streams::answer_json(&Document {
                 schema: 1,
@@ -121,11 +124,13 @@ impl SelftestArgs {
                 passes: failed == 0 && validation.is_empty() && signals.received().is_none(),
                 stopped_by: signals.received(),
                 validation: &validation,
+                verdict: verdict(&report, validation.len(), asked),
                 cases: report.iter().map(case_line).collect(),
             })?;
         } else {
             validation.iter().for_each(|message| streams::say(&format!("validation: {message}")));
             streams::answer(&summary(&report, seconds))?;
+            streams::answer(&streams::folded(&format!("verdict: {}", verdict(&report, validation.len(), asked)), 0))?;
         }
         Ok(match (signals.received(), failed + validation.len()) {
             (Some(signal), _) => Outcome::Signal(signal),
@@ -231,6 +236,30 @@ fn summary(report: &[CaseReport], seconds: f64) -> String {
     text
 }
 
+/// What the run says of the device, in one sentence. `whole` is whether all cases were asked for and come to.
+fn verdict(report: &[CaseReport], validation: usize, whole: bool) -> String {
+    let of = |wanted: Verdict| report.iter().filter(|found| Verdict::of(&found.outcome) == wanted).count();
+    let (failed, not_run) = (of(Verdict::Fail), of(Verdict::Error));
+    if failed > 0 {
+        let means = "its pictures can be wrong in the ways told above";
+        return format!("do not trust this device yet: {} failed, and {means}", count(failed, "case"));
+    }
+    if not_run > 0 {
+        return format!("unknown, as {} could not be run; nothing that ran failed", count(not_run, "case"));
+    }
+    if validation > 0 {
+        let messages = count(validation, "message");
+        return format!("every case passed, but Vulkan was not used as it should be: {messages} of validation");
+    }
+    match (whole, of(Verdict::Pass)) {
+        (_, 0) => "none, as no case ran on the device".into(),
+        (true, _) => "this device can be trusted with pictures: every case that ran passed".into(),
+        (false, passed) => {
+            format!("{} passed; the device can be trusted as far as that goes", count(passed, "case"))
+        }
+    }
+}
+
 fn case_line(found: &CaseReport) -> CaseLine {
     let (findings, note) = match &found.outcome {
         Found::Ran(findings) => (findings.clone(), None),
@@ -246,5 +275,35 @@ fn case_line(found: &CaseReport) -> CaseLine {
         seconds: found.seconds,
         note,
         findings,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ran(outcomes: Vec<Found>) -> Vec<CaseReport> {
+        let cases = GROUPS.iter().flat_map(|group| group.cases);
+        cases.zip(outcomes).map(|(case, outcome)| CaseReport { case, outcome, seconds: 0.1 }).collect()
+    }
+
+    #[test]
+    fn one_sentence_says_whether_the_device_can_be_trusted() {
+        let pass = || Found::Ran(vec![Finding::exact("a number", 1, 1)]);
+        let fail = || Found::Ran(vec![Finding::exact("a number", 1, 2)]);
+        let error = || Found::Failed("no memory".into());
+        let tests = || Found::ShownBy("tests/output.rs");
+        for (outcomes, validation, whole, words) in [
+            (vec![pass(), tests(), pass()], 0, true, "can be trusted with pictures"),
+            (vec![pass(), fail(), error()], 1, true, "do not trust this device yet: 1 case failed"),
+            (vec![pass(), error()], 0, true, "unknown, as 1 case could not be run"),
+            (vec![pass(), pass()], 2, true, "every case passed, but Vulkan was not used as it should be: 2 messages"),
+            (vec![pass()], 0, false, "1 case passed; the device can be trusted as far as that goes"),
+            (vec![tests()], 0, false, "none, as no case ran"),
+        ] {
+            let verdict = verdict(&ran(outcomes), validation, whole);
+            assert!(verdict.contains(words), "{verdict}");
+            assert!(!verdict.contains('\n') && verdict.chars().count() < 160, "{verdict}");
+        }
     }
 }

@@ -13,7 +13,7 @@ use texray::{Error, Result};
 use super::engine::Engine;
 use super::progress::duration;
 use super::signals::Signals;
-use super::{Outcome, streams};
+use super::{Outcome, shell, streams};
 
 /// Measure what a choice costs in time and what it buys
 #[derive(Args)]
@@ -164,7 +164,7 @@ impl StudyArgs {
             // A study with scenes of its own has no use for others, and is no reason for `all` to fail.
             let scenes = if self.what == What::All && !kind.takes_scenes() { Vec::new() } else { self.scenes.clone() };
             let plan = Plan { scenes, ..plan.clone() };
-            let mut rows = Rows::open(&self.out, self.origin(&engine, kind, &plan))?;
+            let mut rows = Rows::open(&self.out, self.origin(&engine, kind, &plan), Some(self.remade_by(kind, &plan)))?;
             if kinds.len() > 1 {
                 streams::say(&format!("study {} of {}: {}", index + 1, kinds.len(), kind.name()));
             }
@@ -183,11 +183,19 @@ impl StudyArgs {
         Ok(stopped_by.map_or(Outcome::Done, Outcome::Signal))
     }
 
-    fn tell(&self, mut studies: Vec<Studied>, stopped_by: Option<u8>) -> Result<()> {
-        if !self.json {
-            let text: Vec<String> = studies.iter().map(|study| study.summary.join("\n")).collect();
-            return streams::answer(&text.join("\n\n"));
+    /// The figures, and last where the report is: after a JSON document on stderr.
+    fn tell(&self, studies: Vec<Studied>, stopped_by: Option<u8>) -> Result<()> {
+        let report = (!studies.is_empty()).then(|| format!("report: {}", self.out.join(page::FILE).display()));
+        if self.json {
+            self.tell_json(studies, stopped_by)?;
+            report.iter().for_each(|line| streams::say(line));
+            return Ok(());
         }
+        let text = studies.iter().map(|study| study.summary.join("\n")).chain(report);
+        streams::answer(&text.collect::<Vec<_>>().join("\n\n"))
+    }
+
+    fn tell_json(&self, mut studies: Vec<Studied>, stopped_by: Option<u8>) -> Result<()> {
         match (self.what, studies.pop()) {
             (What::All, last) => {
                 studies.extend(last);
@@ -198,12 +206,30 @@ impl StudyArgs {
         }
     }
 
+    /// The command with all that was given to it, as a shell takes it; the program as it was started.
+    fn remade_by(&self, kind: Kind, plan: &Plan) -> String {
+        let program = std::env::args_os().next().map_or("texray".into(), |name| name.to_string_lossy().into_owned());
+        let path = |path: &PathBuf| path.to_string_lossy().into_owned();
+        let mut words = vec![program, "study".into(), kind.name().into()];
+        let scenes = if plan.scenes.is_empty() { kind.default_scenes(plan.amount) } else { plan.scenes.clone() };
+        words.extend(scenes.iter().filter(|_| kind.takes_scenes()).map(path));
+        words.extend(self.quick.then(|| "--quick".into()));
+        let peers = self.peers.as_ref().map(path);
+        for (option, value) in [("--peers", peers), ("--device", self.device.clone()), ("--out", Some(path(&self.out)))]
+        {
+            words.extend(value.into_iter().flat_map(|value| [option.into(), value]));
+        }
+        let command = words.iter().map(|word| shell::word(word)).collect::<Vec<_>>().join(" ");
+        let python = self.peers.as_ref().and_then(|_| std::env::var("MITSUBA_PYTHON").ok());
+        python.map_or(String::new(), |python| format!("MITSUBA_PYTHON={} ", shell::word(&python))) + &command
+    }
+
     /// What makes rows comparable. The command names everything that changes what is measured; a study that is part of `all`
     /// has the command of its own, and goes on from rows that it left.
     fn origin(&self, engine: &Engine, kind: Kind, plan: &Plan) -> Origin {
         let mut command = format!("texray study {}", kind.name());
         let scenes = if plan.scenes.is_empty() { kind.default_scenes(plan.amount) } else { plan.scenes.clone() };
-        scenes.iter().for_each(|scene| command += &format!(" {}", scene.display()));
+        scenes.iter().for_each(|scene| command += &format!(" {}", shell::word(&scene.to_string_lossy())));
         if self.quick {
             command += " --quick";
         }

@@ -4,7 +4,7 @@
 //! there is. Nothing here talks to Vulkan.
 
 use super::device_info::DeviceInfo;
-use super::instance::NO_DRIVER;
+use super::instance::no_driver_message;
 use crate::{Error, Result};
 
 /// What was asked for.
@@ -23,7 +23,7 @@ impl DeviceChoice {
     /// Picks among `devices`.
     pub(super) fn pick<'a>(&self, devices: &'a [DeviceInfo]) -> Result<&'a DeviceInfo> {
         if devices.is_empty() {
-            return Err(Error::NoDevice(NO_DRIVER.to_string()));
+            return Err(Error::NoDevice(no_driver_message()));
         }
         let picked = match self {
             DeviceChoice::Auto => {

@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::{Entry, ext, khr, vk};
 
+use super::driver_variables;
 use super::failure::failed;
 use super::messages::{MessageLog, messenger_info};
 use crate::{Error, Result};
@@ -167,12 +168,18 @@ impl Drop for Instance {
 /// A failure of a global command: a missing driver is told apart from the rest.
 fn no_driver(code: vk::Result) -> Error {
     match code {
-        vk::Result::ERROR_INCOMPATIBLE_DRIVER => Error::NoDevice(NO_DRIVER.to_string()),
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER => Error::NoDevice(no_driver_message()),
         code => failed("making a Vulkan instance")(code),
     }
 }
 
-/// What to do where there is a loader and no driver.
-pub(super) const NO_DRIVER: &str = "no Vulkan driver is installed or none found a device; install one, for example \
-                                    `mesa-vulkan-drivers` (Debian, Ubuntu, Fedora) or `vulkan-swrast` (Arch), which \
-                                    includes lavapipe for CPUs";
+/// What to do where there is a loader and no driver that finds a device: a variable that hides the installed ones is
+/// named.
+pub(super) fn no_driver_message() -> String {
+    const INSTALL: &str = "install one, for example `mesa-vulkan-drivers` (Debian, Ubuntu, Fedora) or `vulkan-swrast` \
+                           (Arch), which includes lavapipe for CPUs";
+    match driver_variables::set(|name| std::env::var_os(name)).join("; ") {
+        set if set.is_empty() => format!("no Vulkan driver is installed or none found a device; {INSTALL}"),
+        set => format!("{set}; if none is installed, {INSTALL}"),
+    }
+}

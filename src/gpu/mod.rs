@@ -30,6 +30,7 @@ mod context;
 mod device;
 mod device_info;
 mod driver_threads;
+mod driver_variables;
 mod failure;
 mod handle;
 mod host_buffer;

@@ -6,7 +6,7 @@
 use maud::{Markup, html};
 
 use super::axis::{Ruler, Scale};
-use super::chart::DIGITS;
+use super::chart::{DIGITS, is_doubtful};
 use super::chart_marks::unit;
 use super::number::significant;
 use super::table::{Table, numbers};
@@ -33,6 +33,21 @@ pub struct Bar {
     pub low: Option<f64>,
     /// Upper end.
     pub high: Option<f64>,
+    /// Whether it is of the choice that the program makes by default, and named as such.
+    pub is_default: bool,
+}
+
+impl Bar {
+    /// The same as the default choice, if `is_default`.
+    pub fn default_if(mut self, is_default: bool) -> Bar {
+        self.is_default = is_default;
+        self
+    }
+
+    /// The name, with what is particular about it.
+    fn full_name(&self) -> String {
+        if self.is_default { format!("{} (the default)", self.name) } else { self.name.clone() }
+    }
 }
 
 const WIDTH: f64 = 560.0;
@@ -41,8 +56,11 @@ const ROW: f64 = 48.0;
 const BAR: f64 = 16.0;
 /// Room right of the longest bar for its value.
 const RIGHT: f64 = 440.0;
-const LEFT: f64 = 2.0;
+/// Room left of the axis for half of its first number.
+const LEFT: f64 = 22.0;
 const CAP: f64 = 4.0;
+/// Height of the axis below the bars, with its numbers.
+const AXIS: f64 = 34.0;
 /// Characters of a name that fit above a bar, in the larger letters of a narrow screen; the tip and the table have all.
 const LONGEST_NAME: usize = 54;
 
@@ -57,15 +75,19 @@ impl Bars {
                 figcaption { (self.title) @if !self.unit.is_empty() { span.unit { " (" (self.unit) ")" } } }
                 @match ruler.filter(|_| self.bars.iter().any(|bar| bar.value.is_finite())) {
                     Some(ruler) => {
-                        svg viewBox=(format!("0 0 {WIDTH} {}", ROW * self.bars.len() as f64)) role="img"
+                        svg viewBox=(format!("0 0 {WIDTH} {}", ROW * self.bars.len() as f64 + AXIS)) role="img"
                             aria-labelledby=(label) {
                             title id=(label) { (self.title) }
+                            (axis(&ruler, ROW * self.bars.len() as f64))
                             @for (i, bar) in self.bars.iter().enumerate() {
                                 (row(bar, &self.unit, ROW * i as f64, &ruler))
                             }
                         }
                     },
                     None => p.gap { "No figures to draw." },
+                }
+                @for bar in self.bars.iter().filter(|bar| is_doubtful(bar.low, bar.high)) {
+                    p.gap { (doubt(bar)) }
                 }
                 @if !self.bars.is_empty() { (self.numbers()) }
             }
@@ -74,11 +96,30 @@ impl Bars {
 
     fn numbers(&self) -> Markup {
         let end = |end: Option<f64>| end.map_or_else(String::new, |value| significant(value, DIGITS));
-        let row = |bar: &Bar| vec![bar.name.clone(), significant(bar.value, DIGITS), end(bar.low), end(bar.high)];
+        let row = |bar: &Bar| vec![bar.full_name(), significant(bar.value, DIGITS), end(bar.low), end(bar.high)];
         let value = if self.unit.is_empty() { "value".into() } else { self.unit.clone() };
         let columns = vec!["name".into(), value, "low".into(), "high".into()];
         numbers(&self.title, &Table { columns, rows: self.bars.iter().map(row).collect() })
     }
+}
+
+/// Ticks over the whole length, from the first bar to the numbers below the last.
+fn axis(ruler: &Ruler, bottom: f64) -> Markup {
+    let ticks = ruler.ticks().into_iter().filter_map(|tick| Some((ruler.at(tick.value)?, tick.label)));
+    html! {
+        g.axis {
+            @for (x, label) in ticks {
+                line.grid x1=(unit(x)) y1="20" x2=(unit(x)) y2=(bottom + 4.0) {}
+                text x=(unit(x)) y=(bottom + 22.0) text-anchor="middle" { (label) }
+            }
+            path.frame d=(format!("M{LEFT} {0}H{RIGHT}", bottom + 4.0)) {}
+        }
+    }
+}
+
+fn doubt(bar: &Bar) -> String {
+    let [low, high] = [bar.low, bar.high].map(|end| significant(end.unwrap_or(bar.value), 3));
+    format!("{}: its repeats differ by 10 times or more: {low} to {high}.", bar.name)
 }
 
 fn row(bar: &Bar, unit_name: &str, top: f64, ruler: &Ruler) -> Markup {
@@ -87,7 +128,7 @@ fn row(bar: &Bar, unit_name: &str, top: f64, ruler: &Ruler) -> Markup {
     let middle = bar_at + BAR / 2.0;
     let Some(end) = ruler.at(bar.value) else {
         return html! {
-            text.name x=(LEFT) y=(name_at) { (cut(&bar.name)) }
+            text.name x="2" y=(name_at) { (cut(&bar.full_name())) }
             text.gap x=(LEFT) y=(middle + 5.0) { (significant(bar.value, DIGITS)) ": no bar" }
         };
     };
@@ -107,9 +148,10 @@ fn row(bar: &Bar, unit_name: &str, top: f64, ruler: &Ruler) -> Markup {
         high = unit(high)
     );
     html! {
-        text.name x=(LEFT) y=(name_at) { (cut(&bar.name)) }
+        text.name x="2" y=(name_at) { (cut(&bar.full_name())) }
         line.zero x1=(unit(zero)) y1=(bar_at - 3.0) x2=(unit(zero)) y2=(bar_at + BAR + 3.0) {}
-        rect.mark.s0 x=(unit(end.min(zero))) y=(bar_at) width=(unit((end - zero).abs().max(1.0))) height=(BAR) {
+        rect.mark.s0.default[bar.is_default] x=(unit(end.min(zero))) y=(bar_at)
+            width=(unit((end - zero).abs().max(1.0))) height=(BAR) {
             title { (tip.trim_end()) }
         }
         @if ends.iter().any(Option::is_some) { path.whisker d=(whisker) {} }

@@ -33,6 +33,8 @@ pub struct Series {
     pub points: Vec<Point>,
     /// The power law to draw through them ([`Fit::of`]).
     pub fit: Option<Fit>,
+    /// Whether they are of the choice that the program makes by default: drawn above the others and named as such.
+    pub is_default: bool,
 }
 
 /// A point, in the units of the axes.
@@ -53,12 +55,17 @@ impl Point {
     pub fn new(x: f64, y: f64) -> Point {
         Point { x, y, low: None, high: None }
     }
+
+    /// Whether the ends of its interval are so far apart that the point says little.
+    pub fn is_doubtful(&self) -> bool {
+        is_doubtful(self.low, self.high)
+    }
 }
 
 impl Series {
     /// A series without a fit.
     pub fn new(name: &str, points: Vec<Point>) -> Series {
-        Series { name: name.into(), points, fit: None }
+        Series { name: name.into(), points, fit: None, is_default: false }
     }
 
     /// The same with the power law of its points, where there is one.
@@ -66,6 +73,20 @@ impl Series {
         self.fit = Fit::of(&self.points);
         self
     }
+
+    /// The same as the default choice, if `is_default`.
+    pub fn default_if(mut self, is_default: bool) -> Series {
+        self.is_default = is_default;
+        self
+    }
+}
+
+/// Repeats whose largest is this many times their smallest do not agree.
+const DOUBTFUL: f64 = 10.0;
+
+/// Whether the ends of an interval of positive figures differ by [`DOUBTFUL`] times or more.
+pub(super) fn is_doubtful(low: Option<f64>, high: Option<f64>) -> bool {
+    matches!((low, high), (Some(low), Some(high)) if low > 0.0 && high >= DOUBTFUL * low)
 }
 
 /// Digits of the numbers in tables and tips.
@@ -87,7 +108,7 @@ impl Chart {
                     Some(frame) => (chart_marks::svg(self, &frame, id)),
                     None => p.gap { "No figures to draw." },
                 }
-                @for gap in self.gaps() { p.gap { (gap) } }
+                @for gap in self.gaps().into_iter().chain(self.doubtful()) { p.gap { (gap) } }
                 @if self.series.iter().any(|series| !series.points.is_empty()) { (self.numbers()) }
             }
         }
@@ -111,8 +132,9 @@ impl Chart {
         html! {
             ul.legend {
                 @for (i, series) in self.series.iter().enumerate() {
-                    li {
+                    li .default[series.is_default] {
                         (chart_marks::key(i)) (series.name)
+                        @if series.is_default && !series.name.contains("default") { " (the default)" }
                         @if let Some(fit) = &series.fit {
                             span.fit { ": slope " (significant(fit.slope, 3)) " (95 %: " (significant(fit.slope_low, 3))
                                 " to " (significant(fit.slope_high, 3)) ")" }
@@ -149,6 +171,25 @@ impl Chart {
         self.series.iter().filter_map(of_series).collect()
     }
 
+    /// Points that repeats disagree on, a sentence a series.
+    fn doubtful(&self) -> Vec<String> {
+        let of_series = |series: &Series| {
+            let points = series.points.iter().filter(|point| self.shows(point));
+            let found: Vec<String> = points.filter(|point| point.is_doubtful()).map(describe_range).collect();
+            let count = found.len();
+            let at = if count == 1 { "a ringed point".to_owned() } else { format!("{count} ringed points") };
+            (count > 0).then(|| {
+                format!(
+                    "{}: the repeats of {at} differ by {DOUBTFUL} times or more: {}{}.",
+                    series.name,
+                    found[..count.min(3)].join(", "),
+                    if count > 3 { ", …" } else { "" }
+                )
+            })
+        };
+        self.series.iter().filter_map(of_series).collect()
+    }
+
     fn numbers(&self) -> Markup {
         let rows = self.series.iter().flat_map(|series| {
             series.points.iter().map(move |point| {
@@ -160,6 +201,11 @@ impl Chart {
         let columns = ["series".into(), self.x.title(), self.y.title(), "low".into(), "high".into()];
         numbers(&self.title, &Table { columns: columns.into(), rows: rows.collect() })
     }
+}
+
+fn describe_range(point: &Point) -> String {
+    let [low, high] = [point.low, point.high].map(|end| significant(end.unwrap_or(point.y), 3));
+    format!("{low} to {high} at {}", significant(point.x, 3))
 }
 
 fn describe(point: &Point) -> String {

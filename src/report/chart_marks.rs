@@ -14,14 +14,16 @@ use super::number::significant;
 
 const WIDTH: f64 = 560.0;
 const HEIGHT: f64 = 360.0;
-/// Left end of the horizontal axis.
+/// Left end of the horizontal axis: letters of narrow screens, which are larger, have room for six digits.
 pub(super) const LEFT: f64 = 78.0;
-/// Right end.
-pub(super) const RIGHT: f64 = 546.0;
+/// Right end, with room for half of its last number.
+pub(super) const RIGHT: f64 = 528.0;
 /// Lower end of the vertical axis.
 pub(super) const BOTTOM: f64 = 304.0;
-/// Upper end.
-pub(super) const TOP: f64 = 12.0;
+/// Upper end, below the vertical axis's name.
+pub(super) const TOP: f64 = 36.0;
+/// Length of a tick without a name.
+const MINOR: f64 = 6.0;
 /// Half the width of a mark.
 const MARK: f64 = 4.5;
 /// Half the width of a whisker's ends.
@@ -46,16 +48,31 @@ pub(super) fn svg(chart: &Chart, frame: &Frame, id: &str) -> Markup {
         svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-labelledby=(label) {
             title id=(label) { (chart.title) ": " (chart.y.title()) " against " (chart.x.title()) }
             (axes(chart, frame))
-            @for (i, series) in chart.series.iter().enumerate() {
-                g.series.(colour(i)) {
+            @for (i, series) in drawn(&chart.series) {
+                g.series.(colour(i)).default[series.is_default] {
                     (band(series, frame))
                     (line(chart, series, frame))
                     @for point in series.points.iter().filter(|point| chart.shows(point)) {
-                        (whisker(point, frame)) (mark(chart, series, i, point, frame))
+                        (whisker(point, frame)) (ring(point, frame)) (mark(chart, series, i, point, frame))
                     }
                 }
             }
         }
+    }
+}
+
+/// The series in the order of drawing: the default last, so that no other hides it.
+fn drawn(series: &[Series]) -> Vec<(usize, &Series)> {
+    let mut drawn: Vec<_> = series.iter().enumerate().collect();
+    drawn.sort_by_key(|(_, series)| series.is_default);
+    drawn
+}
+
+/// A ring about a point that repeats disagree on.
+fn ring(point: &Point, frame: &Frame) -> Markup {
+    match (frame.x.at(point.x), frame.y.at(point.y)) {
+        (Some(x), Some(y)) if point.is_doubtful() => html! { circle.doubt cx=(unit(x)) cy=(unit(y)) r=(2.0 * MARK) {} },
+        _ => Markup::default(),
     }
 }
 
@@ -80,20 +97,24 @@ fn axes(chart: &Chart, frame: &Frame) -> Markup {
     html! {
         g.axis {
             @for (x, tick) in at(&frame.x) {
-                line.grid x1=(unit(x)) y1=(TOP) x2=(unit(x)) y2=(BOTTOM) {}
+                line.grid x1=(unit(x)) y1=(tick_end(&tick, BOTTOM - MINOR, TOP)) x2=(unit(x)) y2=(BOTTOM) {}
                 text x=(unit(x)) y=(BOTTOM + 19.0) text-anchor="middle" { (tick.label) }
             }
             @for (y, tick) in at(&frame.y) {
-                line.grid x1=(LEFT) y1=(unit(y)) x2=(RIGHT) y2=(unit(y)) {}
+                line.grid x1=(LEFT) y1=(unit(y)) x2=(tick_end(&tick, LEFT + MINOR, RIGHT)) y2=(unit(y)) {}
                 text x=(LEFT - 8.0) y=(unit(y + 4.5)) text-anchor="end" { (tick.label) }
             }
             path.frame d=(format!("M{LEFT} {TOP}V{BOTTOM}H{RIGHT}")) {}
             text.name x=(unit((LEFT + RIGHT) / 2.0)) y=(HEIGHT - 10.0) text-anchor="middle" { (chart.x.title()) }
-            text.name transform=(format!("translate(16 {}) rotate(-90)", (TOP + BOTTOM) / 2.0)) text-anchor="middle" {
-                (chart.y.title())
-            }
+            // Above its axis: beside it, it would stand on the numbers of narrow screens.
+            text.name x="4" y=(TOP - 18.0) { (chart.y.title()) }
         }
     }
+}
+
+/// Where a tick's line ends: at `minor` without a name, else across the drawing.
+fn tick_end(tick: &Tick, minor: f64, across: f64) -> f64 {
+    if tick.label.is_empty() { minor } else { across }
 }
 
 /// The laws through the points' centre with the ends of the slope's interval.

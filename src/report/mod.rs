@@ -34,7 +34,9 @@ pub use table::Table;
 pub struct Report {
     /// What the page is about; its heading and title.
     pub title: String,
-    /// Paragraphs that say the main result.
+    /// Sentences that say what was found, in plain words.
+    pub findings: Vec<String>,
+    /// Paragraphs that say what the page is about.
     pub lead: Vec<String>,
     /// Names and values of the circumstances: device, driver, version, command. A date is among them only if given.
     pub facts: Vec<(String, String)>,

@@ -59,19 +59,35 @@
       stage.append(make("div", { className: "pane" }, image, name));
       return { image, select };
     });
+    // A picture stands at its own size; magnified, the stage grows as far as the page has room, then shows a part.
+    let inside = 1;
+    const fit = () => {
+      const side = mode.value === "side" && innerWidth > 560;
+      const gap = side ? 4 : 0, panes = side ? 2 : 1;
+      const room = (host.clientWidth - gap) / panes;
+      const own = Math.min(room, Math.max(...sides.map(({ image }) => image.naturalWidth || room)));
+      const width = Math.min(room, own * view.zoom);
+      stage.style.width = `${width * panes + gap}px`;
+      inside = own * view.zoom / width;
+    };
     const draw = () => {
+      fit();
       const width = sides[0].image.clientWidth, height = sides[0].image.clientHeight;
-      view.x = Math.min(0, Math.max(width * (1 - view.zoom), view.x));
-      view.y = Math.min(0, Math.max(height * (1 - view.zoom), view.y));
-      for (const { image } of sides) image.style.transform = `translate(${view.x}px, ${view.y}px) scale(${view.zoom})`;
+      view.x = Math.min(0, Math.max(width * (1 - inside), view.x));
+      view.y = Math.min(0, Math.max(height * (1 - inside), view.y));
+      for (const { image } of sides) image.style.transform = `translate(${view.x}px, ${view.y}px) scale(${inside})`;
       stage.toggleAttribute("data-zoomed", view.zoom > 1);
     };
     const zoomTo = (zoom) => {
       // The middle of the stage stays where it is.
-      const middleX = sides[0].image.clientWidth / 2, middleY = sides[0].image.clientHeight / 2;
-      view.x = middleX - (middleX - view.x) * (zoom / view.zoom);
-      view.y = middleY - (middleY - view.y) * (zoom / view.zoom);
+      const size = () => [sides[0].image.clientWidth * inside, sides[0].image.clientHeight * inside];
+      const place = () => [sides[0].image.clientWidth / 2, sides[0].image.clientHeight / 2];
+      const [before, middle] = [size(), place()];
+      const seen = [(middle[0] - view.x) / before[0], (middle[1] - view.y) / before[1]];
       view.zoom = zoom;
+      fit();
+      const [after, centre] = [size(), place()];
+      [view.x, view.y] = [centre[0] - seen[0] * after[0], centre[1] - seen[1] * after[1]];
       draw();
     };
     let held = null;
@@ -101,11 +117,13 @@
     });
     const zoom = make("select", {}, ...[1, 2, 4, 8, 16].map((n) => make("option", { value: n, textContent: `${n}×` })));
     zoom.addEventListener("change", () => zoomTo(Number(zoom.value)));
+    for (const { image } of sides) image.addEventListener("load", draw);
     const controls = make("div", { className: "controls" },
       make("label", {}, "Left", sides[0].select), make("label", {}, "Right", sides[1].select),
       make("label", {}, "Show as", mode), make("label", {}, "Zoom", zoom), "drag to move");
     host.append(controls, stage, cut);
     host.hidden = false;
+    draw();
     addEventListener("resize", draw);
   }
 })();

@@ -29,6 +29,9 @@ pub(super) fn html(report: &Report) -> Markup {
                 header {
                     button #theme type="button" hidden { "Light or dark" }
                     h1 { (report.title) }
+                    @if !report.findings.is_empty() {
+                        ul.opening { @for sentence in &report.findings { li { (sentence) } } }
+                    }
                     @for paragraph in &report.lead { p.lead { (paragraph) } }
                     @if !report.facts.is_empty() {
                         dl { @for (name, value) in &report.facts { div { dt { (name) } dd { (value) } } } }

@@ -101,7 +101,7 @@ fn not_finite(pixels: usize) -> String {
 
 fn tile(shown: &Shown) -> Markup {
     html! {
-        div.tile {
+        div.tile style=(format!("width: {}px", shown.size[0])) {
             @match &shown.png {
                 Ok(png) => img src=(format!("data:image/png;base64,{}", STANDARD.encode(png))) alt=(shown.name)
                     width=(shown.size[0]) height=(shown.size[1]);,

@@ -11,10 +11,11 @@ use glam::{DVec2, DVec3};
 
 use super::batches::in_batches;
 use super::mtl_scan::Library;
-use super::nearest::nearest;
+use super::nearest::known_names;
 use super::number::in_range;
 use super::obj_mesh::{ObjCorners, ObjMesh, ObjTriangle};
 use super::recipe::Recipe;
+use super::refusals::Refusals;
 use super::scene_file::{MaterialEntry, MeshEntry};
 use super::source_text::quoted;
 use crate::interface::NO_INDEX;
@@ -77,14 +78,15 @@ pub(super) fn assemble_with(
 ) -> Result<RawScene> {
     let mut assembly =
         Assembly { path, materials, raw: RawScene::default(), index: HashMap::new(), touched: HashSet::new() };
-    for entry in meshes {
+    let mut refusals = Refusals::default();
+    let mut add = |entry: &MeshEntry| {
         if !files.contains_key(entry.file.as_path()) {
             let mesh = ObjMesh::load(&entry.file, Some((path, entry.line)))?;
             assembly.raw.warnings.extend(mesh.warnings.iter().cloned());
             assembly.raw.files.push(entry.file.clone());
             files.insert(entry.file.clone(), (mesh, None));
         }
-        let Some((mesh, library)) = files.get_mut(entry.file.as_path()) else { continue };
+        let Some((mesh, library)) = files.get_mut(entry.file.as_path()) else { return Ok(()) };
         // A mesh whose one material stands in the scene file needs no MTL file.
         let in_scene = |(name, _): &(String, usize)| materials.iter().any(|material| material.name == *name);
         if library.is_none() && !entry.material.as_ref().is_some_and(in_scene) {
@@ -93,8 +95,10 @@ pub(super) fn assemble_with(
             assembly.raw.files.extend(read.files.iter().cloned());
             *library = Some(read);
         }
-        assembly.place(entry, mesh, library.as_ref())?;
-    }
+        assembly.place(entry, mesh, library.as_ref())
+    };
+    meshes.iter().for_each(|entry| _ = refusals.keep(add(entry)));
+    refusals.finish()?;
     for unused in materials.iter().filter(|material| !assembly.touched.contains(material.name.as_str())) {
         let text = format!("{}:{}: no mesh uses the material {}", path.display(), unused.line, quoted(&unused.name));
         assembly.raw.warnings.push(text);
@@ -133,14 +137,16 @@ impl<'a> Assembly<'a> {
             None => None,
         };
         let mut material_of_part = Vec::with_capacity(mesh.parts.len());
+        let mut refusals = Refusals::default();
         for part in &mesh.parts {
             material_of_part.push(match (whole, library) {
                 (Some(material), _) => material,
                 // A part without faces needs no material, but a name that is nowhere defined is refused all the same.
                 (None, Some(_)) if part.faces == 0 && part.name.is_empty() => 0,
-                (None, library) => self.part_material(mesh, part, library)?,
+                (None, library) => refusals.keep(self.part_material(mesh, part, library)).unwrap_or(0),
             });
         }
+        refusals.finish()?;
         // One material makes one part of the whole mesh, smooth only where all of it has normals.
         let smooth = whole.is_none() || mesh.parts.iter().all(|part| part.faces == 0 || part.all_normals);
         let mut zero_normals = 0;
@@ -204,10 +210,8 @@ impl<'a> Assembly<'a> {
         }
         let of_library = library.iter().flat_map(|library| &library.recipes).map(|(known, _)| known.as_str());
         let of_scene = self.materials.iter().map(|material| material.name.as_str());
-        let allowed = match nearest(name, of_scene.chain(of_library)) {
-            Some(nearest) => format!("the nearest that is defined is {}", quoted(nearest)),
-            None => "none is defined by [material.NAME] or the mesh's MTL file".to_owned(),
-        };
+        let known = known_names(name, of_scene.chain(of_library), "the nearest that is defined is", "defined are");
+        let allowed = known.unwrap_or_else(|| "none is defined by [material.NAME] or the mesh's MTL file".to_owned());
         Err(Error::scene(self.path, line, format!("material {}: no such material; {allowed}", quoted(name))))
     }
 

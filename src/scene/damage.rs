@@ -129,7 +129,7 @@ fn damaged_files_are_read_or_refused() {
                     assert!(scene.materials.iter().flat_map(|m| m.emission).all(|e| (0.0..2.0).contains(&e)));
                     assert!(scene.camera.basis(600).right.is_finite() && scene.camera.basis(600).down.is_finite());
                 }
-                Err(Error::Scene { .. }) => refused += 1,
+                Err(Error::Scene { .. } | Error::Scenes { .. }) => refused += 1,
                 Err(error) => panic!("not a refusal: {error}"),
             }
         }

@@ -1,7 +1,7 @@
 //! From a path to a [`Scene`].
 //!
-//! Comes in: the path of a `.toml` scene or a bare `.obj`. Goes out: a checked scene, or the first refusal. A bare OBJ gets
-//! a camera that frames its bounds, and a white sky if nothing in it emits.
+//! Comes in: the path of a `.toml` scene or a bare `.obj`. Goes out: a checked scene, or all that is refused in the
+//! first file that is. A bare OBJ gets a camera that frames its bounds, and a white sky if nothing in it emits.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::assemble::{RawScene, assemble, assemble_bare};
 use super::normalise::{bounds, normalise};
-use super::{Camera, LoadReport, RenderDefaults, Scene, scene_file, source_text};
+use super::{Camera, LoadReport, RenderDefaults, Scene, foreign_format, scene_file, source_text};
 use crate::{Error, Result};
 
 /// Vertical field of view of the camera that frames a bare OBJ, in degrees.
@@ -22,7 +22,12 @@ impl Scene {
         match extension.as_str() {
             "toml" => load_toml(path),
             "obj" => load_bare(path),
-            _ => Err(Error::scene(path, 0, "not a scene; allowed are files that end in .toml or .obj")),
+            _ => Err(Error::scene(
+                path,
+                0,
+                foreign_format(path)
+                    .unwrap_or_else(|| "not a scene; allowed are files that end in .toml or .obj".into()),
+            )),
         }
     }
 

@@ -7,6 +7,8 @@
 //!
 //! ```text
 //! scene_file (toml_table, nearest)     what a .toml scene says, with lines
+//! refusals                             all that is wrong in a file, told at once
+//! foreign                              other formats, and how they become readable
 //! obj_scan, mtl_scan (recipe, number)  own every refusal of OBJ and MTL
 //!   → obj_mesh                         tobj builds triangles in file order
 //!   → assemble (transform)             meshes placed, materials by name, f64
@@ -19,6 +21,7 @@ pub mod camera;
 #[cfg(test)]
 mod damage;
 mod digest;
+mod foreign;
 mod load;
 pub mod material;
 mod mtl_scan;
@@ -29,6 +32,7 @@ mod obj_mesh;
 mod obj_scan;
 mod polygon;
 mod recipe;
+mod refusals;
 mod scene_file;
 mod source_text;
 mod toml_table;
@@ -40,6 +44,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 pub use camera::Camera;
 pub use digest::Digest;
+pub use foreign::foreign_format;
 pub use material::{Material, MaterialKind};
 
 /// A scene in scaled units: everything a renderer needs, nothing that it has to check again.

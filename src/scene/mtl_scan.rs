@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::obj_scan::rest;
 use super::recipe::{Quantity, Recipe};
+use super::refusals::Refusals;
 use super::source_text::quoted;
 use crate::{Error, Result};
 
@@ -40,6 +41,7 @@ impl Library {
         let mut current: Option<usize> = None;
         let mut ignored: Vec<(String, usize)> = Vec::new();
         let mut unknown: Vec<(String, usize)> = Vec::new();
+        let mut refusals = Refusals::default();
         for (index, line) in text.lines().enumerate() {
             let number = index + 1;
             let refuse = |message: String| Error::scene(path, number, message);
@@ -51,15 +53,17 @@ impl Library {
             if keyword == "newmtl" {
                 let name = rest(line, keyword);
                 if name.is_empty() {
-                    return Err(refuse("newmtl without a name; allowed is newmtl NAME".to_owned()));
+                    refusals.add(refuse("newmtl without a name; allowed is newmtl NAME".to_owned()));
                 }
                 current = Some(self.begin(path, number, name));
             } else if let Some(quantity) = Quantity::of_statement(keyword) {
                 let Some(current) = current else {
-                    return Err(refuse(format!("{keyword} above any newmtl; allowed is {keyword} below newmtl NAME")));
+                    let message = format!("{keyword} above any newmtl; allowed is {keyword} below newmtl NAME");
+                    refusals.add(refuse(message));
+                    continue;
                 };
                 let values = words.collect::<Vec<_>>();
-                quantity.set(&mut self.recipes[current].1, keyword, &values).map_err(refuse)?;
+                refusals.keep(quantity.set(&mut self.recipes[current].1, keyword, &values).map_err(refuse));
             } else if keyword.starts_with("map_") || LOOKS.contains(&keyword) {
                 // `Tr 0` is what exporters write beside `d 1`.
                 let harmless = keyword == "Tr" && words.next().and_then(|word| word.parse::<f64>().ok()) == Some(0.0);
@@ -70,6 +74,7 @@ impl Library {
                 unknown.push((keyword.to_owned(), number));
             }
         }
+        refusals.finish()?;
         self.warn(path, &ignored, "not supported yet and ignored, though they would change the look");
         self.warn(path, &unknown, "no statements of the MTL format, ignored");
         Ok(())

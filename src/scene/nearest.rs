@@ -1,10 +1,41 @@
 //! The known name that is nearest to a mistyped one.
 //!
-//! Comes in: a name and the known names. Goes out: the known name of the least edit distance, the first among equals.
+//! Comes in: a name and the known names. Goes out: the known name of the least edit distance, the first among equals;
+//! none where the least distance is so large that another name must have been meant.
 
-/// The nearest of `known`, or `None` where there is none to choose from.
+use super::source_text::quoted;
+
+/// Names that a message lists where none is near.
+const LISTED: usize = 12;
+
+/// The nearest of `known`, or `None` where none is near: up to a third of the longer name may differ, and one letter of
+/// any name.
 pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    known.into_iter().min_by_key(|candidate| edit_distance(name, candidate))
+    let (candidate, distance) =
+        known.into_iter().map(|known| (known, edit_distance(name, known))).min_by_key(|(_, distance)| *distance)?;
+    let longer = name.chars().count().max(candidate.chars().count());
+    // Letters that all differ are no slip, however short the names are.
+    (distance <= (longer / 3).max(1) && distance < longer).then_some(candidate)
+}
+
+/// What a message says of the known names: the nearest, or where none is near, all (of many, the first dozen); `None`
+/// where there are none.
+pub(super) fn known_names<'a>(
+    name: &str,
+    known: impl IntoIterator<Item = &'a str>,
+    nearest_is: &str,
+    all_are: &str,
+) -> Option<String> {
+    let mut names: Vec<&str> = Vec::new();
+    let mut seen = std::collections::HashSet::new();
+    names.extend(known.into_iter().filter(|known| seen.insert(*known)));
+    if let Some(near) = nearest(name, names.iter().copied()) {
+        return Some(format!("{nearest_is} {}", quoted(near)));
+    }
+    let listed: Vec<String> = names.iter().take(LISTED).map(|name| quoted(name)).collect();
+    let rest = names.len().saturating_sub(LISTED);
+    let more = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+    (!names.is_empty()).then(|| format!("{all_are} {}{more}", listed.join(", ")))
 }
 
 /// Levenshtein distance over characters, blind to letter case. Only the first 64 characters count.
@@ -39,5 +70,28 @@ mod tests {
     fn the_nearest_name_is_found() {
         assert_eq!(nearest("orgin", ["up", "origin", "target"]), Some("origin"));
         assert_eq!(nearest("x", []), None);
+        assert_eq!(nearest("colour", ["strength", "color"]), Some("color"));
+        assert_eq!((nearest("kD", ["ks", "kd"]), nearest("kf", ["ks", "kd"])), (Some("kd"), Some("ks")));
+    }
+
+    /// Another word for the thing, or a word for another thing, is no slip of a known name.
+    #[test]
+    fn a_name_that_is_not_near_is_not_suggested() {
+        for (name, known) in [
+            ("sphere", &["camera", "film", "render", "mesh", "material", "environment"][..]),
+            ("metallic", &["kd", "ks", "ke", "illum", "ni", "d"]),
+            ("look_at", &["origin", "target", "up", "vfov"]),
+            ("roughness", &["kd", "ks", "ke", "illum", "ni", "d"]),
+            ("fov", &["up"]),
+            ("a", &["b"]),
+        ] {
+            assert_eq!(nearest(name, known.iter().copied()), None, "{name}");
+            let text = known_names(name, known.iter().copied(), "near", "known are").unwrap();
+            assert!(known.iter().all(|known| text.contains(&quoted(known))), "{text}");
+        }
+        let many: Vec<String> = (0..20).map(|i| format!("name{i}")).collect();
+        let text = known_names("other", many.iter().map(String::as_str), "near", "known are").unwrap();
+        assert!(text.ends_with("\"name11\" and 8 more"), "{text}");
+        assert_eq!(known_names("x", ["x1", "x1", "x2"], "near is", ""), Some("near is \"x1\"".into()));
     }
 }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use glam::{DVec2, DVec3};
 
 use super::mtl_scan::Library;
-use super::nearest::nearest;
+use super::nearest::known_names;
 use super::obj_scan::{self, Part};
 use super::source_text::{self, quoted};
 use crate::interface::NO_INDEX;
@@ -152,8 +152,8 @@ impl ObjMesh {
 
     /// The refusal of a `usemtl` whose name is in none of `known`.
     pub(super) fn unknown_material<'a>(&self, part: &Part, known: impl Iterator<Item = &'a str>) -> Error {
-        let allowed = match nearest(&part.name, known) {
-            Some(name) => format!("the nearest that is defined is {}", quoted(name)),
+        let allowed = match known_names(&part.name, known, "the nearest that is defined is", "defined are") {
+            Some(names) => names,
             None if self.libraries.is_empty() => "the file has no mtllib, and the scene defines no material".to_owned(),
             None => "no material is defined".to_owned(),
         };

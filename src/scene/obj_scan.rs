@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use super::number::{in_range, parse_number};
 use super::polygon::{Flaw, flaw};
+use super::refusals::Refusals;
 use super::source_text::quoted;
 use crate::{Error, Result};
 
@@ -85,9 +86,14 @@ pub(super) fn scan(path: &Path, text: &str) -> Result<ObjScan> {
         bent: Tally::default(),
         folded: Tally::default(),
     };
+    let mut refusals = Refusals::default();
     for (index, line) in text.lines().enumerate() {
-        scanner.statement(line, index + 1).map_err(|message| Error::scene(path, index + 1, message))?;
+        if let Err(message) = scanner.statement(line, index + 1) {
+            refusals.add(Error::scene(path, index + 1, message));
+            scanner.count_refused(line);
+        }
     }
+    refusals.finish()?;
     scanner.finish(path)
 }
 
@@ -153,6 +159,16 @@ impl Scanner {
                 self.unknown.add(number, keyword);
                 Ok(())
             }
+        }
+    }
+
+    /// Counts what a refused line would have defined, so that faces below it are not refused for its want.
+    fn count_refused(&mut self, line: &str) {
+        match line.split_ascii_whitespace().next() {
+            Some("v") if self.positions.len() < MAX_COUNT => self.positions.push(DVec3::ZERO),
+            Some("vt") => self.uvs += 1,
+            Some("vn") => self.normals += 1,
+            _ => {}
         }
     }
 

@@ -15,11 +15,14 @@ use std::path::{Path, PathBuf};
 
 use glam::{DMat3, DVec3};
 
+use super::nearest::nearest;
 use super::recipe::{Quantity, Recipe};
+use super::refusals::Refusals;
+use super::source_text::quoted;
 use super::toml_table::{Entry, Table, parse};
 use super::transform::{Transform, rotation};
-use super::{Camera, FilmSettings, Filter, RenderDefaults};
-use crate::Result;
+use super::{Camera, FilmSettings, Filter, RenderDefaults, foreign_format};
+use crate::{Error, Result};
 
 /// A scene file.
 pub(super) struct SceneFile {
@@ -72,46 +75,87 @@ impl MaterialEntry {
     }
 }
 
-/// Reads `text`, which `path` holds.
+/// Reads `text`, which `path` holds. All that is wrong is refused at once.
 pub(super) fn read(path: &Path, text: &str) -> Result<SceneFile> {
     let parsed = parse(path, text)?;
+    let mut refusals = Refusals::default();
+    let file = read_root(&Table::root(path, text, &parsed), path, &mut refusals);
+    refusals.in_order_of_lines();
+    refusals.finish()?;
+    // What was not refused was read.
+    file.ok_or_else(|| Error::Internal(format!("{}: neither read nor refused", path.display())))
+}
+
+fn read_root(root: &Table, path: &Path, refusals: &mut Refusals) -> Option<SceneFile> {
     let known = ["camera", "film", "render", "mesh", "material", "environment"];
-    let root = Table::root(path, text, &parsed, &known)?;
-    let camera = root.need("camera")?;
+    root.unknown_keys(&known, &[]).into_iter().for_each(|error| refusals.add(error));
     let folder = path.parent().unwrap_or(Path::new(""));
-    let meshes = match root.get("mesh") {
-        Some(meshes) => {
-            meshes.items("tables [[mesh]]")?.iter().map(|entry| read_mesh(entry, folder)).collect::<Result<_>>()?
-        }
-        None => Vec::new(),
-    };
-    let materials = match root.get("material") {
-        Some(materials) => {
-            materials.names("[material.NAME]")?.entries().iter().map(read_material).collect::<Result<_>>()?
-        }
-        None => Vec::new(),
-    };
-    Ok(SceneFile {
-        camera: read_camera(&camera)?,
-        camera_line: camera.line,
-        film: root.get("film").map_or(Ok(DEFAULT_FILM), |film| read_film(&film))?,
-        render: root.get("render").map_or(Ok(RenderDefaults::default()), |render| read_render(&render))?,
-        meshes,
-        materials,
-        sky: root.get("environment").map_or(Ok(None), |environment| read_sky(&environment).map(Some))?,
+    let meshes = root.get("mesh").map(|meshes| meshes.items("tables [[mesh]]"));
+    let meshes = meshes.and_then(|meshes| refusals.keep(meshes)).unwrap_or_default();
+    let meshes: Vec<_> = meshes.iter().map(|entry| read_mesh(entry, folder, refusals)).collect();
+    let materials = root.get("material").and_then(|all| refusals.keep(all.table("[material.NAME]")));
+    let materials = materials.map_or(Vec::new(), |materials| materials.entries());
+    let materials: Vec<_> = materials.iter().map(|entry| read_material(entry, refusals)).collect();
+    let film = root.get("film").map_or(Some(DEFAULT_FILM), |film| read_film(&film, refusals));
+    let render = root.get("render").map_or(Some(RenderDefaults::default()), |render| read_render(&render, refusals));
+    let sky = root.get("environment").map_or(Some(None), |sky| read_sky(&sky, refusals).map(Some));
+    let camera_entry = need(root, "camera", &known, refusals)?;
+    let camera = read_camera(&camera_entry, refusals);
+    Some(SceneFile {
+        camera: camera?,
+        camera_line: camera_entry.line,
+        film: film?,
+        render: render?,
+        meshes: meshes.into_iter().collect::<Option<_>>()?,
+        materials: materials.into_iter().collect::<Option<_>>()?,
+        sky: sky?,
     })
+}
+
+/// The entry of a key that a table must have. Where a key that is not known is a slip of it, that was refused already.
+fn need<'a>(table: &Table<'a>, key: &str, known: &[&str], refusals: &mut Refusals) -> Option<Entry<'a>> {
+    let slip =
+        |entry: &Entry| !known.contains(&entry.key()) && nearest(entry.key(), known.iter().copied()) == Some(key);
+    match table.get(key) {
+        None if table.entries().iter().any(slip) => None,
+        found => found.or_else(|| refusals.keep(table.need(key))),
+    }
+}
+
+/// The table of `entry`, with a refusal of each key that is neither `known` nor `unbuilt`, and of each that is
+/// `unbuilt`.
+fn open<'a>(
+    entry: &Entry<'a>,
+    name: &'a str,
+    known: &[&str],
+    unbuilt: &[&str],
+    refusals: &mut Refusals,
+) -> Option<Table<'a>> {
+    let table = refusals.keep(entry.table(name))?;
+    let unknown = table.unknown_keys(known, unbuilt);
+    unknown.into_iter().chain(table.unbuilt_keys(unbuilt)).for_each(|error| refusals.add(error));
+    Some(table)
 }
 
 /// The film of a scene that does not say.
 pub(super) const DEFAULT_FILM: FilmSettings = FilmSettings { width: 800, height: 600, filter: Filter::BlackmanHarris };
 
-fn read_camera(entry: &Entry) -> Result<Camera> {
-    let table = entry.table("[camera]", &["origin", "target", "up", "vfov", "aperture_radius", "focus_distance"])?;
-    table.refuse_unbuilt(&["aperture_radius", "focus_distance"])?;
-    let origin = table.need("origin")?.vector()?;
-    let target = table.need("target")?.vector()?;
-    let up = table.need("up")?.direction()?;
-    let vfov = table.need("vfov")?.number("degrees above 0 and below 180", |v| (1e-6..=180.0 - 1e-6).contains(&v))?;
+fn read_camera(entry: &Entry, refusals: &mut Refusals) -> Option<Camera> {
+    let known = ["origin", "target", "up", "vfov"];
+    let table = open(entry, "[camera]", &known, &["aperture_radius", "focus_distance"], refusals)?;
+    let [origin, target, up, vfov] = known.map(|key| need(&table, key, &known, refusals));
+    let origin = origin.and_then(|entry| refusals.keep(entry.vector()));
+    let target = target.and_then(|entry| refusals.keep(entry.vector()));
+    let up = up.and_then(|entry| refusals.keep(entry.direction()));
+    let degrees = |entry: Entry| entry.number("degrees above 0 and below 180", |v| (1e-6..=180.0 - 1e-6).contains(&v));
+    let vfov = vfov.and_then(|entry| refusals.keep(degrees(entry)));
+    let camera = Camera { origin: origin?, target: target?, up: up?, vfov: vfov? };
+    refusals.keep(checked_camera(&table, camera))
+}
+
+/// The camera with an `up` of length 1, if it looks somewhere and knows what is up there.
+fn checked_camera(table: &Table, camera: Camera) -> Result<Camera> {
+    let Camera { origin, target, up, vfov } = camera;
     // Lengths are compared after a division, as squares of the smallest legal numbers would vanish.
     let view = target - origin;
     let size = view.abs().max_element();
@@ -125,102 +169,126 @@ fn read_camera(entry: &Entry) -> Result<Camera> {
     Ok(Camera { origin, target, up, vfov })
 }
 
-fn read_film(entry: &Entry) -> Result<FilmSettings> {
-    let table = entry.table("[film]", &["width", "height", "filter"])?;
+fn read_film(entry: &Entry, refusals: &mut Refusals) -> Option<FilmSettings> {
+    let table = open(entry, "[film]", &["width", "height", "filter"], &[], refusals)?;
     let size = |key, default| table.get(key).map_or(Ok(default), |entry| entry.integer(1, 16384));
-    let filter = match table.get("filter") {
-        None => DEFAULT_FILM.filter,
-        Some(entry) => {
-            let allowed = "\"box\", \"tent\", \"gaussian\" or \"blackman-harris\"";
-            match entry.text(allowed)? {
-                "box" => Filter::Box,
-                "tent" => Filter::Tent,
-                "gaussian" => Filter::Gaussian,
-                "blackman-harris" => Filter::BlackmanHarris,
-                _ => return Err(entry.refuse(allowed)),
-            }
-        }
-    };
-    Ok(FilmSettings { width: size("width", DEFAULT_FILM.width)?, height: size("height", DEFAULT_FILM.height)?, filter })
+    let (width, height) = (size("width", DEFAULT_FILM.width), size("height", DEFAULT_FILM.height));
+    let (width, height) = (refusals.keep(width), refusals.keep(height));
+    let filter = table.get("filter").map_or(Ok(DEFAULT_FILM.filter), |entry| read_filter(&entry));
+    Some(FilmSettings { filter: refusals.keep(filter)?, width: width?, height: height? })
 }
 
-fn read_render(entry: &Entry) -> Result<RenderDefaults> {
-    let table = entry.table("[render]", &["spp", "max_bounces"])?;
+fn read_filter(entry: &Entry) -> Result<Filter> {
+    let allowed = "\"box\", \"tent\", \"gaussian\" or \"blackman-harris\"";
+    Ok(match entry.text(allowed)? {
+        "box" => Filter::Box,
+        "tent" => Filter::Tent,
+        "gaussian" => Filter::Gaussian,
+        "blackman-harris" => Filter::BlackmanHarris,
+        _ => return Err(entry.refuse(allowed)),
+    })
+}
+
+fn read_render(entry: &Entry, refusals: &mut Refusals) -> Option<RenderDefaults> {
+    let table = open(entry, "[render]", &["spp", "max_bounces"], &[], refusals)?;
     let value = |key, most| table.get(key).map(|entry| entry.integer(1, most)).transpose();
-    Ok(RenderDefaults { spp: value("spp", u32::MAX)?, max_bounces: value("max_bounces", 65535)? })
+    let (spp, max_bounces) = (refusals.keep(value("spp", u32::MAX)), refusals.keep(value("max_bounces", 65535)));
+    Some(RenderDefaults { spp: spp?, max_bounces: max_bounces? })
 }
 
-fn read_sky(entry: &Entry) -> Result<[f64; 3]> {
-    let table = entry.table("[environment]", &["color", "strength", "image", "rotate"])?;
-    table.refuse_unbuilt(&["image", "rotate"])?;
+fn read_sky(entry: &Entry, refusals: &mut Refusals) -> Option<[f64; 3]> {
+    let known = ["color", "strength"];
+    let table = open(entry, "[environment]", &known, &["image", "rotate"], refusals)?;
     let allowed = "[r, g, b] of numbers from 0 to 1e36";
-    let colour = table.need("color")?;
-    let radiance = colour.numbers::<3>(allowed, |channel| (0.0..=1e36).contains(&channel))?;
-    let Some(strength) = table.get("strength") else { return Ok(radiance) };
-    let factor = strength.number("a number from 0 to 1e36", |factor| (0.0..=1e36).contains(&factor))?;
-    let radiance = radiance.map(|channel| channel * factor);
+    let colour = |entry: Entry| entry.numbers::<3>(allowed, |channel| (0.0..=1e36).contains(&channel));
+    let radiance = need(&table, "color", &known, refusals).and_then(|entry| refusals.keep(colour(entry)));
+    let Some(strength) = table.get("strength") else { return radiance };
+    let factor = strength.number("a number from 0 to 1e36", |factor| (0.0..=1e36).contains(&factor));
+    let factor = refusals.keep(factor)?;
+    let radiance = radiance?.map(|channel| channel * factor);
     if radiance.iter().any(|&channel| channel > 1e36) {
-        return Err(strength.refuse("a number that keeps color times strength within 1e36"));
+        refusals.add(strength.refuse("a number that keeps color times strength within 1e36"));
     }
-    Ok(radiance)
+    Some(radiance)
 }
 
-fn read_mesh(entry: &Entry, folder: &Path) -> Result<MeshEntry> {
-    let table = entry.table("[[mesh]]", &["file", "scale", "rotate", "translate", "matrix", "material"])?;
-    let file = table.need("file")?;
-    let name = file.text("the name of an OBJ file, in quotes")?;
-    let material = match table.get("material") {
-        Some(entry) => Some((entry.text("the name of a material, in quotes")?.to_owned(), entry.line)),
-        None => None,
-    };
-    Ok(MeshEntry { file: folder.join(name), line: file.line, transform: read_transform(&table)?, material })
+fn read_mesh(entry: &Entry, folder: &Path, refusals: &mut Refusals) -> Option<MeshEntry> {
+    let known = ["file", "scale", "rotate", "translate", "matrix", "material"];
+    let table = open(entry, "[[mesh]]", &known, &[], refusals)?;
+    let file = need(&table, "file", &known, refusals).and_then(|file| refusals.keep(mesh_file(&file, folder)));
+    let named = |entry: Entry| Ok((entry.text("the name of a material, in quotes")?.to_owned(), entry.line));
+    let material = refusals.keep(table.get("material").map(named).transpose());
+    let transform = read_transform(&table, refusals);
+    let (file, line) = file?;
+    Some(MeshEntry { file, line, transform: transform?, material: material? })
 }
 
-fn read_transform(table: &Table) -> Result<Transform> {
+/// The mesh's file and the line that names it.
+fn mesh_file(entry: &Entry, folder: &Path) -> Result<(PathBuf, usize)> {
+    let file = folder.join(entry.text("the name of an OBJ file, in quotes")?);
+    match foreign_format(&file) {
+        Some(what) => Err(entry.error(format!("mesh file {}: {what}", quoted(&file.display().to_string())))),
+        None => Ok((file, entry.line)),
+    }
+}
+
+fn read_transform(table: &Table, refusals: &mut Refusals) -> Option<Transform> {
     if let Some(matrix) = table.get("matrix") {
-        if let Some(step) = ["scale", "rotate", "translate"].iter().find_map(|key| table.get(key)) {
-            return Err(step.error(format!("\"{}\" beside \"matrix\"; allowed is one or the other", step.key())));
-        }
-        let allowed = "16 finite numbers, row by row, that can be inverted and end in 0, 0, 0, 1";
-        let m: [f64; 16] = matrix.numbers(allowed, |_| true)?;
-        let linear = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
-        let transform =
-            Transform::new(linear, DVec3::new(m[3], m[7], m[11])).filter(|_| m[12..] == [0.0, 0.0, 0.0, 1.0]);
-        return transform.ok_or_else(|| matrix.refuse(allowed));
+        return refusals.keep(read_matrix(table, &matrix));
     }
-    let mut linear = DMat3::IDENTITY;
-    let mut translation = DVec3::ZERO;
-    if let Some(scale) = table.get("scale") {
-        let allowed = "a finite number other than 0, or [x, y, z] of such numbers";
-        let fits = |factor: f64| factor.abs() >= 1e-100;
-        let factors = match scale.is_number() {
-            true => DVec3::splat(scale.number(allowed, fits)?),
-            false => DVec3::from_array(scale.numbers(allowed, fits)?),
-        };
-        linear = DMat3::from_diagonal(factors);
-    }
-    if let Some(rotate) = table.get("rotate") {
-        let turn = rotate.table("{ axis = [x, y, z], degrees = D }", &["axis", "degrees"])?;
-        let degrees = turn.need("degrees")?.number("a finite number of degrees", |_| true)?;
-        linear = rotation(turn.need("axis")?.direction()?, degrees) * linear;
-    }
-    if let Some(translate) = table.get("translate") {
-        translation = translate.vector()?;
-    }
+    let scale = table.get("scale").map_or(Ok(DVec3::ONE), |scale| read_scale(&scale));
+    let scale = refusals.keep(scale);
+    let turn = table.get("rotate").map_or(Some(DMat3::IDENTITY), |turn| read_rotation(&turn, refusals));
+    let translation = table.get("translate").map_or(Ok(DVec3::ZERO), |translate| translate.vector());
+    let translation = refusals.keep(translation);
     // Rotations and scalings by numbers other than 0 can always be inverted.
-    Transform::new(linear, translation).ok_or_else(|| table.refuse("the mesh's scale cannot be inverted".to_owned()))
+    let transform = Transform::new(turn? * DMat3::from_diagonal(scale?), translation?);
+    refusals.keep(transform.ok_or_else(|| table.refuse("the mesh's scale cannot be inverted".to_owned())))
 }
 
-fn read_material(entry: &Entry) -> Result<MaterialEntry> {
-    let table = entry.table("[material]", &["kd", "ks", "ke", "illum", "ni", "d"])?;
-    let mut changes = Vec::new();
-    for entry in table.entries() {
-        // Every known key of the table is a quantity.
-        let Some(quantity) = Quantity::of_key(entry.key()) else { continue };
-        let words = entry.words(quantity.numbers())?;
-        let as_words = words.iter().map(String::as_str).collect::<Vec<_>>();
-        quantity.set(&mut Recipe::default(), entry.key(), &as_words).map_err(|message| entry.error(message))?;
-        changes.push((quantity, entry.key().to_owned(), words));
+fn read_matrix(table: &Table, matrix: &Entry) -> Result<Transform> {
+    if let Some(step) = ["scale", "rotate", "translate"].iter().find_map(|key| table.get(key)) {
+        return Err(step.error(format!("\"{}\" beside \"matrix\"; allowed is one or the other", step.key())));
     }
-    Ok(MaterialEntry { name: entry.key().to_owned(), line: entry.line, changes })
+    let allowed = "16 finite numbers, row by row, that can be inverted and end in 0, 0, 0, 1";
+    let m: [f64; 16] = matrix.numbers(allowed, |_| true)?;
+    let linear = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
+    let transform = Transform::new(linear, DVec3::new(m[3], m[7], m[11])).filter(|_| m[12..] == [0.0, 0.0, 0.0, 1.0]);
+    transform.ok_or_else(|| matrix.refuse(allowed))
+}
+
+fn read_scale(scale: &Entry) -> Result<DVec3> {
+    let allowed = "a finite number other than 0, or [x, y, z] of such numbers";
+    let fits = |factor: f64| factor.abs() >= 1e-100;
+    Ok(match scale.is_number() {
+        true => DVec3::splat(scale.number(allowed, fits)?),
+        false => DVec3::from_array(scale.numbers(allowed, fits)?),
+    })
+}
+
+fn read_rotation(rotate: &Entry, refusals: &mut Refusals) -> Option<DMat3> {
+    let known = ["axis", "degrees"];
+    let turn = open(rotate, "{ axis = [x, y, z], degrees = D }", &known, &[], refusals)?;
+    let [axis, degrees] = known.map(|key| need(&turn, key, &known, refusals));
+    let axis = axis.and_then(|axis| refusals.keep(axis.direction()));
+    let degrees = degrees.and_then(|entry| refusals.keep(entry.number("a finite number of degrees", |_| true)));
+    Some(rotation(axis?, degrees?))
+}
+
+fn read_material(entry: &Entry, refusals: &mut Refusals) -> Option<MaterialEntry> {
+    let table = open(entry, "[material]", &["kd", "ks", "ke", "illum", "ni", "d"], &[], refusals)?;
+    // Every known key of the table is a quantity.
+    let known = table.entries().into_iter().filter_map(|entry| Some((Quantity::of_key(entry.key())?, entry)));
+    // All of them are read before one that is refused ends the material.
+    let changes: Vec<_> = known.map(|(quantity, entry)| refusals.keep(read_change(quantity, &entry))).collect();
+    let changes = changes.into_iter().collect::<Option<_>>()?;
+    Some(MaterialEntry { name: entry.key().to_owned(), line: entry.line, changes })
+}
+
+/// What a material's key says, checked.
+fn read_change(quantity: Quantity, entry: &Entry) -> Result<(Quantity, String, Vec<String>)> {
+    let words = entry.words(quantity.numbers())?;
+    let as_words = words.iter().map(String::as_str).collect::<Vec<_>>();
+    quantity.set(&mut Recipe::default(), entry.key(), &as_words).map_err(|message| entry.error(message))?;
+    Ok((quantity, entry.key().to_owned(), words))
 }

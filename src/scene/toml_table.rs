@@ -1,7 +1,7 @@
 //! Tables of a scene file, read key by key.
 //!
 //! Comes in: the text of a `.toml` file. Goes out: checked values, each refusal with the line of its key, the value as
-//! the file has it and what is allowed. Every table is opened with its known keys; any other key is refused.
+//! the file has it and what is allowed. Every table tells which of its keys are not known.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use glam::DVec3;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::nearest::nearest;
+use super::nearest::known_names;
 use super::number::MAX_MAGNITUDE;
 use super::source_text::quoted;
 use crate::{Error, Result};
@@ -58,28 +58,22 @@ pub(super) fn parse<'a>(path: &Path, text: &'a str) -> Result<Spanned<DeTable<'a
 
 impl<'a> Table<'a> {
     /// The whole file as a table.
-    pub(super) fn root(
-        path: &'a Path,
-        text: &'a str,
-        root: &'a Spanned<DeTable<'a>>,
-        known: &[&str],
-    ) -> Result<Table<'a>> {
-        let table = Table { source: Source { path, text }, name: "the file", line: 1, entries: root.get_ref() };
-        table.refuse_unknown(known)
+    pub(super) fn root(path: &'a Path, text: &'a str, root: &'a Spanned<DeTable<'a>>) -> Table<'a> {
+        Table { source: Source { path, text }, name: "the file", line: 1, entries: root.get_ref() }
     }
 
-    fn refuse_unknown(self, known: &[&str]) -> Result<Table<'a>> {
-        let unknown = |key: &&Spanned<_>| !known.contains(&AsRef::<str>::as_ref(Spanned::get_ref(*key)));
-        match self.entries.keys().filter(unknown).min_by_key(|key| key.span().start) {
-            None => Ok(self),
-            Some(key) => {
-                let name: &str = key.get_ref();
-                let nearest = nearest(name, known.iter().copied()).unwrap_or_default();
-                let message =
-                    format!("unknown key {} in {}; the nearest known key is \"{nearest}\"", quoted(name), self.name);
-                Err(Error::scene(self.source.path, self.source.line(key.span().start), message))
-            }
-        }
+    /// A refusal of each key that is neither `known` nor `unbuilt`; it offers the `known` ones.
+    pub(super) fn unknown_keys(&self, known: &[&str], unbuilt: &[&str]) -> Vec<Error> {
+        let is_in = |keys: &[&str], key: &Spanned<_>| keys.contains(&AsRef::<str>::as_ref(Spanned::get_ref(key)));
+        let unknown = |key: &&Spanned<_>| !is_in(known, key) && !is_in(unbuilt, key);
+        let refusal = |key: &Spanned<_>| {
+            let name: &str = AsRef::<str>::as_ref(Spanned::<std::borrow::Cow<'a, str>>::get_ref(key));
+            let allowed = known_names(name, known.iter().copied(), "the nearest known key is", "allowed are");
+            let allowed = allowed.unwrap_or_default();
+            let message = format!("unknown key {} in {}; {allowed}", quoted(name), self.name);
+            Error::scene(self.source.path, self.source.line(key.span().start), message)
+        };
+        self.entries.keys().filter(unknown).map(refusal).collect()
     }
 
     /// The value of `key`, if the table has it.
@@ -94,13 +88,11 @@ impl<'a> Table<'a> {
         self.get(key).ok_or_else(|| self.refuse(format!("{} lacks the key \"{key}\"", self.name)))
     }
 
-    /// Refuses each of `keys` that is there: they are known, and a later version will read them.
-    pub(super) fn refuse_unbuilt(&self, keys: &[&str]) -> Result<()> {
-        let found = keys.iter().filter_map(|key| self.get(key)).min_by_key(|entry| entry.value.span().start);
-        match found {
-            Some(entry) => Err(entry.error(format!("\"{}\" is not built yet; allowed is to leave it out", entry.key))),
-            None => Ok(()),
-        }
+    /// A refusal of each of `keys` that is there: they are known, and a later version will read them.
+    pub(super) fn unbuilt_keys(&self, keys: &[&str]) -> Vec<Error> {
+        let refusal =
+            |entry: Entry| entry.error(format!("\"{}\" is not built yet; allowed is to leave it out", entry.key));
+        keys.iter().filter_map(|key| self.get(key)).map(refusal).collect()
     }
 
     /// Keys and values in the order of the file.
@@ -151,18 +143,8 @@ impl<'a> Entry<'a> {
         line
     }
 
-    /// A table, opened with the keys that it may have.
-    pub(super) fn table(&self, name: &'a str, known: &[&str]) -> Result<Table<'a>> {
-        match self.value.get_ref() {
-            DeValue::Table(entries) => {
-                Table { source: self.source, name, line: self.line, entries }.refuse_unknown(known)
-            }
-            _ => Err(self.refuse(&format!("a table {name}"))),
-        }
-    }
-
-    /// A table whose keys are names.
-    pub(super) fn names(&self, name: &'a str) -> Result<Table<'a>> {
+    /// A table; who reads it refuses its unknown keys ([`Table::unknown_keys`]).
+    pub(super) fn table(&self, name: &'a str) -> Result<Table<'a>> {
         match self.value.get_ref() {
             DeValue::Table(entries) => Ok(Table { source: self.source, name, line: self.line, entries }),
             _ => Err(self.refuse(&format!("a table {name}"))),

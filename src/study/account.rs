@@ -15,6 +15,8 @@ pub struct Account {
     pub text: Vec<String>,
     /// Sentences that state a finding with its number.
     pub findings: Vec<String>,
+    /// The same in plain words, for who reads nothing else; what matters most comes first. For the report alone.
+    pub plain: Vec<String>,
     parts: Vec<Part>,
 }
 
@@ -80,6 +82,7 @@ impl Account {
     pub fn extend(&mut self, other: Account) {
         self.text.extend(other.text);
         self.findings.extend(other.findings);
+        self.plain.extend(other.plain);
         self.parts.extend(other.parts);
     }
 

@@ -232,13 +232,21 @@ pub fn account(rows: &Rows, folder: &Path) -> Account {
         }
         account.table(table);
         account.findings.extend(findings(scene, figure));
+        account.plain.extend(plain(scene, figure));
     }
     account
 }
 
 fn label(cap: u32) -> String {
-    if cap == 1 { "1 bounce".into() } else { format!("{cap} bounces") }
+    match cap {
+        1 => "1 bounce".into(),
+        DEFAULT_CAP => format!("{cap} bounces (the default)"),
+        cap => format!("{cap} bounces"),
+    }
 }
+
+/// The cap of a scene that does not say.
+const DEFAULT_CAP: u32 = 8;
 
 /// Light and time by the cap.
 fn charts(rows: &Rows, scene: &str) -> [Block; 2] {
@@ -263,7 +271,7 @@ fn charts(rows: &Rows, scene: &str) -> [Block; 2] {
     };
     let share = series("light", Case::Whole, "brightness_to_longest", 100.0);
     let times = vec![
-        series("with roulette", Case::Whole, "seconds", 1.0),
+        series("with roulette", Case::Whole, "seconds", 1.0).default_if(true),
         series("without roulette", Case::NoRoulette, "seconds", 1.0),
     ];
     [
@@ -274,6 +282,18 @@ fn charts(rows: &Rows, scene: &str) -> [Block; 2] {
         ),
         chart("time", Axis::new("time", "s", axis::Scale::Log), times),
     ]
+}
+
+fn plain(scene: &str, figure: impl Fn(Case, &str) -> Option<f64>) -> Option<String> {
+    let share = |cap| Some(100.0 * figure(Case::Whole(cap), "brightness_to_longest")?);
+    let times = figure(Case::Whole(DEFAULT_CAP), "seconds")? / figure(Case::Whole(1), "seconds")?;
+    Some(format!(
+        "{scene}: one bounce shows {:.0} % of the light; {DEFAULT_CAP}, the default, show {:.1} % and take {} times \
+         as long.",
+        share(1)?,
+        share(DEFAULT_CAP)?,
+        digits(times)
+    ))
 }
 
 fn findings(scene: &str, figure: impl Fn(Case, &str) -> Option<f64>) -> Option<String> {

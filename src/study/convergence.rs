@@ -188,6 +188,7 @@ pub fn account(rows: &Rows) -> Account {
         account.figure(chart(rows, scene, &levels));
         account.table(table);
         account.findings.extend(finding(scene, &curves));
+        account.plain.extend(plain(scene, &curves));
     }
     account
 }
@@ -199,7 +200,7 @@ fn chart(rows: &Rows, scene: &str, levels: &[u32]) -> Block {
             let of = |value| rows.spread(scene, &name(variant, spp), value);
             Some(of("relative_mse")?.point(of("seconds")?.median))
         };
-        Series::new(variant, levels.iter().filter_map(point).collect()).fitted()
+        Series::new(variant, levels.iter().filter_map(point).collect()).fitted().default_if(variant == VARIANTS[0].0)
     };
     Block::Chart(Chart {
         title: format!("{scene}: error against time"),
@@ -212,6 +213,26 @@ fn chart(rows: &Rows, scene: &str, levels: &[u32]) -> Block {
 /// A slope with its 95 % interval.
 fn slope(curve: &Curve) -> String {
     format!("{:.2} ({:.2} to {:.2})", curve.fit.slope, curve.fit.slope_low, curve.fit.slope_high)
+}
+
+fn plain(scene: &str, curves: &[Curve]) -> Option<String> {
+    let default = curves.iter().find(|curve| curve.name == VARIANTS[0].0)?;
+    let times = |curve: &Curve| curve.seconds_to_one_per_cent() / default.seconds_to_one_per_cent();
+    let seconds = digits(default.seconds_to_one_per_cent());
+    let mut others: Vec<&Curve> = curves.iter().filter(|curve| curve.name != default.name).collect();
+    others.sort_by(|a, b| times(a).total_cmp(&times(b)));
+    let (Some(best), Some(worst)) = (others.first(), others.last()) else {
+        return Some(format!("{scene}: an error of 1 % takes {seconds} s with the defaults."));
+    };
+    Some(format!(
+        "{scene}: an error of 1 % takes {seconds} s with the defaults; with one choice changed, from {} times as long \
+         ({}) to {} \
+         times ({}).",
+        digits(times(best)),
+        best.name,
+        digits(times(worst)),
+        worst.name
+    ))
 }
 
 fn finding(scene: &str, curves: &[Curve]) -> Option<String> {

@@ -247,8 +247,16 @@ pub fn account(rows: &Rows) -> Account {
         account.figure(Block::Bars(bars));
         account.table(table);
         account.findings.extend(finding(rows, scene));
+        account.plain.extend(plain(rows, scene));
     }
     account
+}
+
+fn plain(rows: &Rows, scene: &str) -> Option<String> {
+    let Spread { median, least, most, .. } = price(rows, scene, Case::All, Case::Own)?;
+    let text = format!("{scene}: with the effects that it has no use for, a path takes {median:+.0} % time");
+    let doubt = if least <= 0.0 && most >= 0.0 { ", which is within what repeats differ by" } else { "" };
+    Some(format!("{text} ({least:+.0} to {most:+.0} %){doubt}."))
 }
 
 fn finding(rows: &Rows, scene: &str) -> Option<String> {

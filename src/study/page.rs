@@ -13,6 +13,9 @@ use crate::report::Report;
 /// Name of the report's file.
 pub const FILE: &str = "report.html";
 
+/// Sentences that the report opens with.
+const OPENING: usize = 5;
+
 /// Writes the report.
 pub fn write(folder: &Path, origin: &Origin) -> Result<()> {
     write_whole(&folder.join(FILE), false, report(folder, origin).to_html().as_bytes())
@@ -33,17 +36,48 @@ fn report(folder: &Path, origin: &Origin) -> Report {
         .collect();
     let measurements: usize = studied.iter().map(|(_, rows)| rows.all().len()).sum();
     let lead = format!(
-        "What accuracy costs in time on {}, from {measurements} measurements; the raw rows are beside this file. Errors are relative: \
-         of a pixel's difference to its reference over the reference, where 0.1 counts as dark.",
+        "From {measurements} measurements on {}; the raw rows are beside this file. Errors are relative: of a pixel's \
+         difference to \
+         its reference over the reference, where 0.1 counts as dark. \"The default\" is what `texray render` does \
+         unless it is told \
+         otherwise.",
         origin.device
     );
+    let accounts: Vec<_> = studied.iter().map(|(kind, rows)| (*kind, rows, kind.account(rows, folder))).collect();
+    let findings = opening(&accounts.iter().map(|(_, _, account)| account.plain.as_slice()).collect::<Vec<_>>());
     Report {
         title: "What accuracy costs in time".into(),
+        findings,
         lead: vec![lead],
         facts: facts.into_iter().map(|(name, value)| (name.into(), value)).collect(),
-        sections: studied
+        sections: accounts
             .into_iter()
-            .map(|(kind, rows)| kind.account(&rows, folder).section(kind.name(), kind.title(), &rows.origin().command))
+            .map(|(kind, rows, account)| account.section(kind.name(), kind.title(), rows.remade_by()))
             .collect(),
+    }
+}
+
+/// The first sentence of each study, then the second of each, and so on, as far as [`OPENING`] goes; in the order of
+/// the studies.
+fn opening(plain: &[&[String]]) -> Vec<String> {
+    let longest = plain.iter().map(|sentences| sentences.len()).max().unwrap_or(0);
+    let turns = (0..longest).flat_map(|turn| (0..plain.len()).map(move |study| (study, turn)));
+    let mut chosen: Vec<(usize, usize)> =
+        turns.filter(|&(study, turn)| turn < plain[study].len()).take(OPENING).collect();
+    chosen.sort_unstable();
+    chosen.into_iter().map(|(study, turn)| plain[study][turn].clone()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::opening;
+
+    #[test]
+    fn the_page_opens_with_five_sentences_of_as_many_studies_as_there_are() {
+        let study = |name: &str, count: usize| (0..count).map(|i| format!("{name}{i}")).collect::<Vec<_>>();
+        let (a, b, c) = (study("a", 3), study("b", 1), study("c", 9));
+        assert_eq!(opening(&[&a, &b, &c]), ["a0", "a1", "b0", "c0", "c1"]);
+        assert_eq!(opening(&[&c]), ["c0", "c1", "c2", "c3", "c4"]);
+        assert!(opening(&[&[], &b]).len() == 1 && opening(&[]).is_empty());
     }
 }

@@ -291,6 +291,12 @@ fn pictures(rows: &Rows, scene: &str) -> Account {
     });
     let mut account = Account::default();
     account.findings.extend(findings);
+    account.plain.extend(worst.map(|(bias, case)| {
+        format!(
+            "{scene}: the numerical guard that is missed most ({}) keeps a bias of {bias:.2} % out.",
+            left_out(case)
+        )
+    }));
     account.figure(Block::Bars(bars));
     account.table(table);
     account

@@ -87,7 +87,7 @@ pub fn account(rows: &Rows, folder: &Path) -> Account {
         return account;
     };
     let ours = cornell::Rendered { rgb, variance: gallery.radiance(BOX, "variance"), spp: spp as u32, seconds };
-    if let Ok(section) = cornell::section(&ours, &rows.origin().command) {
+    if let Ok(section) = cornell::section(&ours, rows.remade_by()) {
         account.findings = section.finding;
         section.blocks.into_iter().for_each(|block| account.figure(block));
     }

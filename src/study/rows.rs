@@ -57,6 +57,9 @@ pub struct Rows {
 struct Document {
     schema: u32,
     origin: Origin,
+    /// The command as it can be typed again, with all of its options; where it is not known, that of the origin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    remade_by: Option<String>,
     rows: Vec<Row>,
 }
 
@@ -72,7 +75,7 @@ impl Rows {
     /// Opens the study's files in `folder`, which is made if it is not there.
     ///
     /// Fails with [`Error::Output`] where the folder cannot be written, or holds rows of another origin.
-    pub fn open(folder: &Path, origin: Origin) -> Result<Rows> {
+    pub fn open(folder: &Path, origin: Origin, remade_by: Option<String>) -> Result<Rows> {
         std::fs::create_dir_all(folder).map_err(|error| Error::output(folder, error.to_string()))?;
         let json = folder.join(format!("{}.json", origin.study));
         let csv = json.with_extension("csv");
@@ -81,7 +84,7 @@ impl Rows {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
             Err(error) => return Err(Error::output(json, error.to_string())),
         };
-        let rows = Rows { json, csv, document: Document { schema: 1, origin, rows } };
+        let rows = Rows { json, csv, document: Document { schema: 1, origin, remade_by, rows } };
         rows.write()?;
         Ok(rows)
     }
@@ -122,6 +125,11 @@ impl Rows {
     /// What all have in common.
     pub fn origin(&self) -> &Origin {
         &self.document.origin
+    }
+
+    /// The command that remakes them.
+    pub fn remade_by(&self) -> &str {
+        self.document.remade_by.as_deref().unwrap_or(&self.document.origin.command)
     }
 
     /// Whether this has been measured.
@@ -216,7 +224,7 @@ mod tests {
     pub(super) type Synthetic<'a> = (&'a str, &'a str, u32, &'a [(&'a str, f64)]);
 
     pub(super) fn rows_of_nothing() -> Rows {
-        let document = Document { schema: 1, origin: origin("one"), rows: Vec::new() };
+        let document = Document { schema: 1, origin: origin("one"), remade_by: None, rows: Vec::new() };
         Rows { json: PathBuf::new(), csv: PathBuf::new(), document }
     }
 
@@ -239,10 +247,12 @@ mod tests {
     #[test]
     fn rows_come_back_and_others_are_refused() {
         let folder = tempfile::tempdir().unwrap();
-        let mut rows = Rows::open(folder.path(), origin("one")).unwrap();
+        let mut rows = Rows::open(folder.path(), origin("one"), Some("a command".into())).unwrap();
         rows.add(row("x", 0, "seconds", 1.5)).unwrap();
         rows.add(row("x", 1, "bytes", 7.0)).unwrap();
-        let again = Rows::open(folder.path(), origin("one")).unwrap();
+        assert_eq!(Rows::read(folder.path(), "speed").unwrap().remade_by(), "a command");
+        let again = Rows::open(folder.path(), origin("one"), None).unwrap();
+        assert_eq!(again.remade_by(), "texray study speed");
         assert_eq!(again.all(), rows.all());
         assert!(again.has("a,b", "x", 1) && !again.has("a,b", "x", 2));
         assert_eq!(again.values("a,b", "x", "seconds").collect::<Vec<_>>(), [1.5]);
@@ -252,9 +262,9 @@ mod tests {
         assert_eq!(nine_digits(-1_234.567_891_234), "-1234.56789");
         assert_eq!(nine_digits(1.234_567_891_2e-5), "0.0000123456789");
         assert_eq!((nine_digits(12_345_678_912.0).as_str(), nine_digits(f64::NAN).as_str()), ("12345678912", "NaN"));
-        let error = Rows::open(folder.path(), origin("two")).unwrap_err();
+        let error = Rows::open(folder.path(), origin("two"), None).unwrap_err();
         assert!(error.to_string().contains("another device"), "{error}");
         std::fs::write(folder.path().join("speed.json"), "{}").unwrap();
-        assert!(Rows::open(folder.path(), origin("one")).is_err());
+        assert!(Rows::open(folder.path(), origin("one"), None).is_err());
     }
 }

@@ -128,6 +128,7 @@ pub fn account(rows: &Rows, folder: &Path) -> Account {
         gallery.figure(scene, &title, &pictures, 0).into_iter().for_each(|block| account.figure(block));
         account.table(table);
         account.findings.extend(finding(scene, of));
+        account.plain.extend(plain(scene, of));
     }
     account
 }
@@ -154,6 +155,23 @@ fn chart(rows: &Rows, scene: &str) -> Block {
         y: Axis::new("relative RMSE", "%", axis::Scale::Log),
         series: vec![Series::new("1 to 1,500 samples", SPP.into_iter().filter_map(point).collect()).fitted()],
     })
+}
+
+/// What samples cost and bring.
+fn plain(scene: &str, of: impl Fn(u32, &str) -> Option<f64>) -> Vec<String> {
+    let at = |spp: u32| Some((of(spp, "seconds")?, of(spp, "relative_mse")?));
+    let (Some((short, few)), Some((long, many))) = (at(10), at(1000)) else { return Vec::new() };
+    // Along the power law through both, in the time for half the error.
+    let times = 2f64.powf((long / short).ln() / (few / many).sqrt().ln());
+    let first = format!(
+        "{scene}: 10 samples a pixel take {} s and leave an error of {}; 1,000 samples take {} s and leave {}.",
+        digits(short),
+        percent(few),
+        digits(long),
+        percent(many)
+    );
+    let second = format!("{scene}: halving the error takes about {} times as long.", digits(times));
+    [first].into_iter().chain((times.is_finite() && many < few).then_some(second)).collect()
 }
 
 /// What ten times the samples bring: from 10 to 1,000.

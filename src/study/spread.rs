@@ -37,7 +37,7 @@ impl Spread {
 
     /// The middle as a bar, the range as its whisker.
     pub fn bar(self, name: &str) -> Bar {
-        Bar { name: name.into(), value: self.median, low: Some(self.least), high: Some(self.most) }
+        Bar { name: name.into(), value: self.median, low: Some(self.least), high: Some(self.most), is_default: false }
     }
 }
 

@@ -178,6 +178,9 @@ pub fn account(rows: &Rows) -> Account {
     account
 }
 
+/// The way in which a render uploads its records.
+const DEFAULT_WAY: &str = "up, staged, 2 in flight, texel";
+
 fn copies(rows: &Rows) -> Account {
     // A case is named by its way and its size.
     let mut ways: Vec<&str> = Vec::new();
@@ -203,7 +206,7 @@ fn copies(rows: &Rows) -> Account {
         let cells = rates.map(|rate| rate.map_or("-".into(), |rate| digits(rate.median)));
         table.rows.push([way.to_owned()].into_iter().chain(cells).collect());
         let points = SIZES.into_iter().zip(rates).filter_map(|(bytes, rate)| Some(rate?.point(bytes as f64)));
-        series.push(Series::new(way, points.collect()));
+        series.push(Series::new(way, points.collect()).default_if(way == DEFAULT_WAY));
     }
     account.figure(Block::Chart(Chart {
         title: "Copies between host and device".into(),
@@ -260,6 +263,10 @@ fn shares(rows: &Rows, scene: &str) -> Account {
         texel("us_per_path"),
         median(Buffers::Storage, "us_per_path"),
     ) {
+        account.plain.push(format!(
+            "{scene}: copies between processor and device take {:.1} % of a render's time.",
+            100.0 * (up + down) / (up + render)
+        ));
         account.findings.push(format!(
             "{scene}: packing and upload take {:.2} % of a render's time, waiting for and adding up what comes back {:.2} %; a path takes \
              {} times as long with {what} read from storage buffers as from texel buffers.",

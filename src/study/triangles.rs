@@ -224,6 +224,7 @@ pub fn account(rows: &Rows) -> Account {
         charts(rows, scene).into_iter().for_each(|block| account.figure(block));
         account.table(table);
         account.findings.extend(growth(scene, figure));
+        account.plain.extend(plain(scene, figure));
     }
     account.findings.extend(placement(rows));
     account
@@ -238,7 +239,7 @@ fn charts(rows: &Rows, scene: &str) -> [Block; 2] {
             Tree::Thesis => "the thesis's tree",
             Tree::None => "no tree",
         };
-        Series::new(label, COUNTS.into_iter().filter_map(point).collect())
+        Series::new(label, COUNTS.into_iter().filter_map(point).collect()).default_if(tree == Tree::Default)
     };
     let chart = |title: &str, y: Axis, series| {
         let x = Axis::new("triangles", "", axis::Scale::Log);
@@ -282,6 +283,19 @@ fn growth(scene: &str, figure: impl Fn(Tree, usize, &str) -> Option<f64> + Copy)
         digits(at_most(Tree::Thesis)? / at_most(Tree::Default)?),
         none.slope,
         digits(brute),
+    ))
+}
+
+fn plain(scene: &str, figure: impl Fn(Tree, usize, &str) -> Option<f64>) -> Option<String> {
+    let most = COUNTS[COUNTS.len() - 1];
+    let of = |tree, count| figure(tree, count, "ns_per_ray");
+    Some(format!(
+        "{scene} triangles: {} times as many make a ray take {} times as long; at 100,000 the tree makes it {} times \
+         as fast as \
+         testing all of them.",
+        most / LARGE,
+        digits(of(Tree::Default, most)? / of(Tree::Default, LARGE)?),
+        digits(of(Tree::None, MOST_BRUTE)? / of(Tree::Default, MOST_BRUTE)?)
     ))
 }
 

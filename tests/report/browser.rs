@@ -17,6 +17,16 @@ addEventListener("load", () => {
   answer("marks", seen(".mark").length);
   answer("pictures", seen(".tile img").filter((image) => image.complete && image.naturalWidth > 0).length);
   answer("stages", seen(".stage").length);
+  const boxes = (element) => [...element.querySelectorAll("text")].filter((t) => t.textContent.trim()).map((t) => t.getBoundingClientRect());
+  const meet = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+  const overprinted = [...document.querySelectorAll("figure > svg")].flatMap((drawing) => {
+    const all = boxes(drawing), page = drawing.getBoundingClientRect();
+    const cut = all.filter((box) => box.left < page.left - 1 || box.right > page.right + 1);
+    return cut.concat(all.filter((box, i) => all.some((other, j) => j > i && meet(box, other))));
+  });
+  answer("overprinted", overprinted.length);
+  answer("own", seen(".tile img").every((image) => image.getBoundingClientRect().width === image.naturalWidth));
+  answer("stage", document.querySelector(".pane img").getBoundingClientRect().width);
   answer("wide", document.documentElement.scrollWidth > innerWidth);
   const page = () => getComputedStyle(document.body).backgroundColor;
   const before = page();
@@ -49,7 +59,7 @@ fn chromium_shows_every_point_and_says_nothing() {
     let html = sample::report().to_html().replace("</body>", &format!("{QUESTIONS}</body>"));
     fs::write(&file, html).expect("the page can be written");
     let program = std::env::var_os("CHROMIUM").unwrap_or_else(|| "chromium".into());
-    for width in [1200, 500] {
+    for width in [1200, 500, 400] {
         let profile = tempfile::tempdir().expect("a temporary folder");
         let output = Command::new(&program)
             .args("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-sync".split(' '))
@@ -68,6 +78,7 @@ fn chromium_shows_every_point_and_says_nothing() {
         assert_eq!(answer("marks"), (sample::POINTS + sample::BARS).to_string());
         assert_eq!(answer("pictures"), sample::PICTURES.to_string());
         assert_eq!((answer("stages"), answer("wide"), answer("toggles")), ("1".into(), "false".into(), "true".into()));
+        assert_eq!((answer("overprinted"), answer("own"), answer("stage")), ("0".into(), "true".into(), "96".into()));
         assert!(answer("tip").starts_with("independent\nsamples a pixel: 64.00\nrelative RMSE: "), "{}", answer("tip"));
         assert_eq!((answer("zoom"), answer("cut")), ("4,4".into(), "inset(0px 0px 0px 25%)".into()));
         assert_eq!((answer("side"), answer("difference")), ("true".into(), "1 spp against 1000 spp".into()));

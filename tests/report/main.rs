@@ -35,8 +35,8 @@ fn marks_are_points() {
     assert_eq!(count(&page, ".bars rect.mark"), sample::BARS);
     assert_eq!(count(&page, ".tile img"), sample::PICTURES);
     assert_eq!(count(&page, ".band"), 2, "one a fit");
-    // Six points a fitted series, each with an interval; three bars.
-    assert_eq!(count(&page, ".chart path.whisker"), 12);
+    // Six points a fitted series, each with an interval, and one more; three bars.
+    assert_eq!(count(&page, ".chart path.whisker"), 13);
     assert_eq!(count(&page, ".bars path.whisker"), 3);
     // Every mark has a tip, and every place is a number inside its drawing.
     assert_eq!(count(&page, ".mark > title"), sample::POINTS + sample::BARS);
@@ -56,6 +56,83 @@ fn a_fit_is_told_with_its_interval() {
     let fits: Vec<String> = page.select(&of(".fit")).map(text).collect();
     assert_eq!(fits.len(), 2);
     assert!(fits[0].starts_with(": slope −0.50") && fits[0].contains("95 %: −0.5"), "{fits:?}");
+}
+
+#[test]
+fn the_page_opens_with_what_was_found() {
+    let (html, page) = page(&sample::report());
+    assert_eq!(
+        page.select(&of("header .opening li")).map(text).collect::<Vec<_>>(),
+        ["One.", "Two.", "Three.", "Four.", "Five."]
+    );
+    assert!(html.find("Five.") < html.find("<dl") && html.find("Five.") < html.find("<nav"));
+}
+
+/// The default is named in the legend and drawn after every other series, so that none hides it.
+#[test]
+fn the_default_is_marked_and_not_hidden() {
+    let (_, page) = page(&sample::report());
+    assert_eq!(count(&page, ".chart .legend li.default"), 1);
+    let legend: Vec<String> = page.select(&of(".legend li.default")).map(text).collect();
+    assert!(legend[0].starts_with("Sobol' (the default)"), "{legend:?}");
+    let chart = page.select(&of("figure.chart > svg")).next().expect("a chart");
+    let series: Vec<bool> =
+        chart.select(&of("g.series")).map(|g| g.value().classes().any(|c| c == "default")).collect();
+    assert_eq!(series, [false, true]);
+    assert_eq!(count(&page, ".bars rect.mark.default"), 1);
+    assert!(page.select(&of(".bars text.name")).map(text).any(|name| name == "padded boxes (the default)"));
+}
+
+/// A point whose repeats differ tenfold has a ring, a bar a sentence; all have one that says what they differ by.
+#[test]
+fn repeats_that_disagree_are_flagged() {
+    let (_, page) = page(&sample::report());
+    assert_eq!(count(&page, ".chart circle.doubt"), 1);
+    let gaps: Vec<String> = page.select(&of(".gap")).map(text).collect();
+    for sentence in [
+        "cornell-box: the repeats of a ringed point differ by 10 times or more: 0.0200 to 0.200 at 2.00.",
+        "padded boxes: its repeats differ by 10 times or more: 0.100 to 1.50.",
+    ] {
+        assert!(gaps.iter().any(|gap| gap == sentence), "{sentence:?} in {gaps:#?}");
+    }
+}
+
+/// Axes have numbers from end to end, those of bars too, and the name of the vertical one stands above the numbers.
+#[test]
+fn axes_are_numbered_over_their_whole_length() {
+    let (_, page) = page(&sample::report());
+    let place = |element: &ElementRef, name: &str| -> f64 {
+        element.value().attr(name).and_then(|place| place.parse().ok()).expect("a place")
+    };
+    let mut drawings = 0;
+    for drawing in page.select(&of("figure > svg")) {
+        drawings += 1;
+        let is_bars = drawing.select(&of("rect.mark")).next().is_some();
+        let numbers: Vec<ElementRef> = drawing.select(&of(".axis text:not(.name)")).collect();
+        let along: Vec<f64> = numbers
+            .iter()
+            .filter(|number| number.value().attr("text-anchor") == Some("middle") && !text(**number).is_empty())
+            .map(|number| place(number, "x"))
+            .collect();
+        let (first, last) = if is_bars { (22.0, 440.0) } else { (78.0, 528.0) };
+        let ends = [along[0] - first, last - along[along.len() - 1]];
+        assert!(ends.iter().all(|end| (-0.01..100.0).contains(end)), "{along:?}");
+        // Letters of 18 units, some 11 wide each, do not meet.
+        assert!(along.windows(2).all(|pair| pair[1] - pair[0] > 40.0), "{along:?}");
+        for name in drawing.select(&of(".axis text.name")) {
+            assert_eq!(name.value().attr("transform"), None, "it would stand on the numbers");
+        }
+    }
+    assert_eq!(drawings, 3);
+}
+
+#[test]
+fn pictures_stand_at_their_own_size() {
+    let (html, page) = page(&sample::report());
+    for tile in page.select(&of(".tile")).filter(|tile| tile.select(&of("img")).next().is_some()) {
+        assert_eq!(tile.value().attr("style"), Some("width: 96px"));
+    }
+    assert!(html.contains(".tile img { display: block; max-width: 100%; height: auto;"));
 }
 
 #[test]

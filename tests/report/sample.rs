@@ -15,6 +15,7 @@ pub const PICTURES: usize = 3 + 2;
 pub fn report() -> Report {
     Report {
         title: "Error <against> time & \"more\"".into(),
+        findings: ["One.", "Two.", "Three.", "Four.", "Five."].map(String::from).into(),
         lead: vec!["Halving the error takes 4.0 times as long with independent samples, 3.1 times with Sobol'.".into()],
         facts: vec![
             ("device".into(), "llvmpipe".into()),
@@ -46,7 +47,7 @@ fn charts() -> Section {
     };
     let series = vec![
         Series::new("independent", law(0.9, -0.5, 0.02)).fitted(),
-        Series::new("Sobol'", law(0.8, -0.61, 0.03)).fitted(),
+        Series::new("Sobol'", law(0.8, -0.61, 0.03)).fitted().default_if(true),
     ];
     let log = Chart {
         title: "Error against samples".into(),
@@ -60,7 +61,14 @@ fn charts() -> Section {
         x: Axis::new("cap", "bounces", Scale::Linear),
         y: Axis::new("energy cut", "of all", Scale::Linear),
         series: vec![
-            Series::new("cornell-box", vec![Point::new(1.0, 0.4), Point::new(2.0, 0.2), Point::new(3.0, 0.1)]),
+            Series::new(
+                "cornell-box",
+                vec![
+                    Point::new(1.0, 0.4),
+                    Point { low: Some(0.02), high: Some(0.2), ..Point::new(2.0, 0.2) },
+                    Point::new(3.0, 0.1),
+                ],
+            ),
             Series::new(
                 "glass",
                 caps.map(|(x, y)| Point::new(x, y)).into_iter().chain([Point::new(15.0, 1e-4)]).collect(),
@@ -77,19 +85,21 @@ fn bars() -> Section {
         value,
         low: Some(low),
         high: Some(high),
+        is_default: false,
     };
     let bars = Bars {
         title: "What a guard costs".into(),
         unit: "% of the time".into(),
         bars: vec![
             bar("watertight triangles instead of Möller–Trumbore", 4.2, 3.1, 5.0),
-            bar("padded boxes", 0.6, -0.4, 1.5),
+            bar("padded boxes", 0.6, 0.1, 1.5).default_if(true),
             bar("compensated sums", -0.3, -1.2, 0.4),
             Bar {
                 name: "not measured, and with a name that is longer than the width of a narrow screen".into(),
                 value: f64::NAN,
                 low: None,
                 high: None,
+                is_default: false,
             },
         ],
     };

@@ -25,6 +25,7 @@ pub fn account(rows: &Rows) -> Account {
         let figures = Figures::of(rows, scene);
         account.text.extend(figures.lines());
         account.findings.extend(figures.finding());
+        account.plain.extend(figures.plain());
         account.figure(Block::Bars(figures.bars()));
         account.figure(Block::Text(format!("{scene}: medians and ranges of the repeats")));
         account.figure(Block::Table(figures.table()));
@@ -58,10 +59,22 @@ impl<'a> Figures<'a> {
         Some(text + ".")
     }
 
+    fn plain(&self) -> Option<String> {
+        let rate = digits(self.rate(Case::Default)?.median);
+        let start = self.spread(Case::Start { cold: false }, "seconds_first_picture");
+        let start = start.map_or(String::new(), |start| {
+            format!("; the first picture is there {} s after the program starts", digits(start.median))
+        });
+        Some(format!("{}: {rate} million paths a second{start}.", self.scene))
+    }
+
     /// Paths a second, ours and the peers'.
     fn bars(&self) -> Bars {
         let ours = [(Case::NoRoulette, "texray, no roulette"), (Case::Default, "texray")];
-        let ours = ours.into_iter().filter_map(|(case, name)| Some(self.rate(case)?.bar(name)));
+        let ours = ours.into_iter().filter_map(|(case, name)| {
+            let is_default = matches!(case, Case::Default);
+            Some(self.rate(case)?.bar(name).default_if(is_default))
+        });
         let peers = Peer::ALL.into_iter().filter_map(|peer| Some(self.rate(Case::Peer(peer))?.bar(peer.name())));
         let title = format!("{}: paths a second", self.scene);
         Bars { title, unit: "Mpaths/s".into(), bars: ours.chain(peers).collect() }
