@@ -9,6 +9,7 @@
 use std::ffi::{CStr, c_char};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -33,6 +34,8 @@ pub(super) struct Device {
     pub(super) debug_utils: Option<ext::debug_utils::Device>,
     queue: Mutex<vk::Queue>,
     memory: Mutex<MemoryState>,
+    /// How long a wait for submitted work may take; `None`: as long as it takes.
+    wait_limit: Mutex<Option<Duration>>,
     /// Bytes that copy commands were recorded to take from upload buffers and into readback buffers.
     copied_up: AtomicU64,
     copied_down: AtomicU64,
@@ -110,6 +113,7 @@ impl Device {
             debug_utils,
             queue: Mutex::new(queue),
             memory: Mutex::new(memory_state),
+            wait_limit: Mutex::new(None),
             copied_up: AtomicU64::new(0),
             copied_down: AtomicU64::new(0),
             info,
@@ -150,6 +154,16 @@ impl Device {
     /// The allocator and its counters.
     pub(super) fn memory(&self) -> MutexGuard<'_, MemoryState> {
         self.memory.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// How long a wait may take.
+    pub(super) fn wait_limit(&self) -> Option<Duration> {
+        *self.wait_limit.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Bounds the waits from now on.
+    pub(super) fn limit_waits(&self, limit: Option<Duration>) {
+        *self.wait_limit.lock().unwrap_or_else(PoisonError::into_inner) = limit;
     }
 
     /// Counts a recorded copy out of an upload buffer.

@@ -16,6 +16,8 @@
 //!   says that the work has ended. Nothing in use is ever freed, whatever the caller drops.
 //! - Memory that the host reads or writes is reached through [`Uploader`] and [`Readback`] only, which keep host and
 //!   device from touching the same bytes at once. Bind groups, fills and plain copies take device memory only.
+//! - Nothing that a caller gives reaches the driver unchecked: kernels are [`ShaderModule`]s of this crate, a pipeline's layout is
+//!   read off its module, and what is bound, copied or recorded together belongs to one device.
 //! - `Drop` never panics and reports nothing; what it finds wrong goes to the message log of the context.
 
 #![allow(unsafe_code)]
@@ -27,6 +29,7 @@ pub mod canary;
 mod choice;
 mod commands;
 mod context;
+mod declared;
 mod device;
 mod device_info;
 mod driver_threads;
@@ -35,11 +38,13 @@ mod handle;
 mod host_buffer;
 mod in_flight;
 mod instance;
+mod instructions;
 mod ledger;
 mod memory;
 mod messages;
 mod pipeline;
 mod readback;
+mod shader_module;
 pub mod shaders;
 mod slot;
 mod specialise;
@@ -61,6 +66,7 @@ pub use memory::{Buffer, BufferUse, Memory};
 pub use messages::{ValidationReport, ValidationWatch};
 pub use pipeline::{BindingKind, BindingSlot, ComputePipeline, PipelineDesc};
 pub use readback::Readback;
+pub use shader_module::ShaderModule;
 pub use specialise::specialise;
 pub use texel_buffer::TexelBuffer;
 pub use transfer::Uploader;

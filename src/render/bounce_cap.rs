@@ -10,7 +10,7 @@ use super::{Observer, Renderer, Tuning};
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::scene::{Filter, Scene};
-use crate::settings::{Roulette, Settings};
+use crate::settings::{MAX_BOUNCES, Roulette, Settings};
 
 /// Pixels of the small picture, about.
 const PIXELS: f64 = 64.0 * 48.0;
@@ -19,8 +19,6 @@ const SPP: u32 = 32;
 /// Bounces of the longer paths: so many times the cap, and so many more.
 const FACTOR: u32 = 8;
 const BEYOND: u32 = 64;
-/// Most bounces that settings may have.
-const MOST_BOUNCES: u32 = 65535;
 /// Share of a render's work that this may take where nobody asked for it.
 const COST_SHARE: f64 = 0.02;
 /// Paths as costly as starting a render of a scene anew is, and as each of its triangles is then, about (two cores, lavapipe).
@@ -61,7 +59,8 @@ pub fn cap_bias(
     settings: &Settings,
     observer: &mut dyn Observer,
 ) -> Result<Option<CapBias>> {
-    let up_to_bounces = settings.max_bounces.saturating_mul(FACTOR).saturating_add(BEYOND).min(MOST_BOUNCES);
+    settings.check()?;
+    let up_to_bounces = settings.max_bounces.saturating_mul(FACTOR).saturating_add(BEYOND).min(MAX_BOUNCES);
     let small = small(settings);
     let mut luminance = |max_bounces: u32| -> Result<Option<Vec<f64>>> {
         let settings = Settings { max_bounces, ..small.clone() };

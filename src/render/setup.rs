@@ -29,12 +29,14 @@ use crate::texels::random::splitmix64;
 impl Renderer {
     /// Builds the tree, packs and copies the records, and makes the pipeline.
     pub fn new(context: &Context, scene: &Scene, settings: &Settings, tuning: &Tuning) -> Result<Renderer> {
+        settings.check()?;
+        let [_, _, width, height] = settings.region();
+        tuning.check([width, height])?;
         if !settings.allow_black {
             scene.check_emits()?;
         }
         let mut seconds = StageSeconds::default();
         let mut ledger = Ledger::default();
-        let [_, _, width, height] = settings.region();
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let replicates = settings.replicates.unwrap_or_else(|| Film::replicates(pixels));
         let film = Film::new(width, height, replicates, scene.scaling.radiance_exponent)?;
@@ -98,7 +100,7 @@ impl Renderer {
             effects,
             pipeline,
             bind_group,
-            tiles: tiles::tiles(settings.region(), tile_size),
+            tiles: tiles::tiles(settings.region(), tile_size)?,
             readbacks: [readback("sums readback 0")?, readback("sums readback 1")?],
             counter_readback: Readback::new(context, "counters readback", COUNTER_BYTES)?,
             sums,

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use super::Finding;
 use super::random::Random;
 use crate::gpu::{
-    Barrier, BindGroup, BindingKind, BindingSlot, Buffer, BufferUse, ComputePipeline, Context, Ledger, Memory,
-    PipelineDesc, Readback, Recorder, Resource, Uploader, shaders,
+    Barrier, BindGroup, Buffer, BufferUse, ComputePipeline, Context, Ledger, Memory, PipelineDesc, Readback, Recorder,
+    Resource, Uploader, shaders,
 };
 use crate::interface::{
     BINDING_PROBE_INPUT, BINDING_PROBE_OUTPUT, BUDGET_LANES, MAX_STEP_BUDGET, PUSH_CONSTANT_BYTES, PUSH_CONSTANTS,
@@ -164,12 +164,7 @@ fn ask(context: &Context, questions: &[[f32; 4]]) -> Result<Vec<Texel>> {
         context,
         &PipelineDesc {
             name: "start-up probe",
-            spirv: if keep_nan { shaders::PROBE_STARTUP_KEEP_NAN } else { shaders::PROBE_STARTUP },
-            bindings: &[
-                BindingSlot { number: BINDING_PROBE_INPUT, kind: BindingKind::Storage },
-                BindingSlot { number: BINDING_PROBE_OUTPUT, kind: BindingKind::Storage },
-            ],
-            push_constant_bytes: PUSH_CONSTANT_BYTES,
+            module: if keep_nan { shaders::PROBE_STARTUP_KEEP_NAN } else { shaders::PROBE_STARTUP },
             specialization: &[],
         },
     )?;
