@@ -23,6 +23,7 @@ mod stop;
 pub mod streams;
 mod study;
 mod summary;
+mod threads;
 
 use std::time::Instant;
 
@@ -78,6 +79,8 @@ enum Command {
 
 /// Runs the command that the process was started with, at `started`.
 pub fn run(started: Instant) -> Result<Outcome, Failure> {
+    // Before anything can begin a thread.
+    threads::share_out()?;
     let arguments = Arguments::try_parse().map_err(|error| match not_built::named_by(&error) {
         Some(name) => Failure::Command(texray::Error::Usage(format!("{name} is not built yet"))),
         None => Failure::Arguments(error),

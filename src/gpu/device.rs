@@ -16,12 +16,17 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
 use super::device_info::DeviceInfo;
+use super::driver_threads;
 use super::failure::failed;
 use super::instance::{Instance, lifecycle};
 use crate::{Error, Result};
 
 /// Not in the Vulkan 1.1 headers' stable part, so ash keeps the name behind a feature of its own.
 const PORTABILITY_SUBSET: &CStr = c"VK_KHR_portability_subset";
+
+/// Size of the blocks that small buffers of the device share, and of those that the host reaches.
+pub(super) const DEVICE_BLOCK_BYTES: u64 = 64 << 20;
+const HOST_BLOCK_BYTES: u64 = 16 << 20;
 
 /// The logical device.
 pub(super) struct Device {
@@ -56,7 +61,7 @@ pub(super) struct MemoryState {
 impl Device {
     /// Makes the device of `physical`, which `info` describes.
     pub(super) fn new(instance: Arc<Instance>, physical: vk::PhysicalDevice, info: DeviceInfo) -> Result<Arc<Device>> {
-        // SAFETY: `physical` is a device of this instance; the calls change nothing.
+        driver_threads::check(&info)?;
         let (offered, memory) = unsafe {
             (
                 instance
@@ -129,7 +134,7 @@ impl Device {
             // Shaders get descriptors, not addresses: addresses were 3 to 4 times slower on lavapipe.
             buffer_device_address: false,
             // Small buffers share blocks of these sizes; a larger buffer gets an allocation of its own.
-            allocation_sizes: AllocationSizes::new(64 << 20, 16 << 20),
+            allocation_sizes: AllocationSizes::new(DEVICE_BLOCK_BYTES, HOST_BLOCK_BYTES),
         })
         .map_err(|error| Error::Internal(format!("the memory allocator cannot be made: {error}")))?;
         device.memory().allocator = Some(allocator);

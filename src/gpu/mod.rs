@@ -22,6 +22,7 @@
 
 #![allow(unsafe_code)]
 
+mod address_space;
 mod allocation;
 mod barrier;
 mod bind_group;
@@ -49,6 +50,7 @@ pub mod shaders;
 mod slot;
 mod specialise;
 mod texel_buffer;
+mod thread_limits;
 mod timer;
 mod transfer;
 
@@ -58,7 +60,7 @@ pub use choice::DeviceChoice;
 pub use commands::Recorder;
 pub use context::{Context, ContextOptions, list_devices};
 pub use device_info::{DeviceInfo, DeviceKind, HeapInfo};
-pub use driver_threads::prefer_many_driver_threads;
+pub use driver_threads::{ThreadShares, share_out_threads};
 pub use host_buffer::{HostBuffer, HostMemoryType, host_memory_types};
 pub use in_flight::InFlight;
 pub use ledger::{Direction, Ledger, LedgerEntry};
