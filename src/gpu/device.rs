@@ -62,6 +62,7 @@ impl Device {
     /// Makes the device of `physical`, which `info` describes.
     pub(super) fn new(instance: Arc<Instance>, physical: vk::PhysicalDevice, info: DeviceInfo) -> Result<Arc<Device>> {
         driver_threads::check(&info)?;
+        // SAFETY: `physical` is a device of this instance; the calls change nothing.
         let (offered, memory) = unsafe {
             (
                 instance

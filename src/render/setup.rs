@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use crate::bvh::TreeStats;
 use crate::error::Result;
-use crate::film::Film;
+use crate::film::{Film, memory};
 use crate::gpu::{BindGroup, Buffer, BufferUse, Context, Ledger, Memory, Readback, Resource};
 use crate::interface::*;
 use crate::render::effects::Effects;
@@ -39,6 +39,8 @@ impl Renderer {
         let mut ledger = Ledger::default();
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let replicates = settings.replicates.unwrap_or_else(|| Film::replicates(pixels));
+        let region_pixels = width as usize * height as usize;
+        memory::probe::<[[u32; 4]; 2]>("memory for the sums of a run", region_pixels)?;
         let film = Film::new(width, height, replicates, scene.scaling.radiance_exponent)?;
 
         let start = Instant::now();
@@ -91,7 +93,6 @@ impl Renderer {
         resources.push((BINDING_COUNTERS, Resource::Storage(counters.clone())));
         let bind_group = BindGroup::new(&pipeline, &resources)?;
         let readback = |name| Readback::new(context, name, tile_pixels * SUM_BYTES);
-        let region_pixels = width as usize * height as usize;
         Ok(Renderer {
             constants: constants(scene, settings, &data, replicates),
             report: empty_report(&effects, seconds, read_as, tree),

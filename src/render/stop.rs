@@ -36,8 +36,7 @@ impl StopRules {
     /// Refuses what is out of the range that its field states.
     pub fn check(&self) -> Result<()> {
         let Some(Target { error, confidence }) = self.target else { return Ok(()) };
-        // Neither comparison holds for what is not a number.
-        if !(error > 0.0) {
+        if error <= 0.0 || error.is_nan() {
             return Err(Error::Usage(format!("target error {error} is out of range: more than 0 is allowed")));
         }
         match (0.5..1.0).contains(&confidence) {
