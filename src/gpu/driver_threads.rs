@@ -145,9 +145,9 @@ fn needed(driver: usize) -> usize {
 fn shares(driver: usize, cores: usize, startable: usize) -> (usize, usize) {
     let left = startable.saturating_sub(QUEUE_THREADS + CACHE_THREADS);
     let driver = driver.min(left / POOLS);
-    let left = left - POOLS * driver;
+    let workers = (left - POOLS * driver).min(cores);
     // One worker would only do what the thread that waits for it can do.
-    (driver, if left > 1 { left.min(cores) } else { 0 })
+    (driver, if workers > 1 { workers } else { 0 })
 }
 
 /// How many of `wanted` threads can be started beside those that there are: by starting them, whoever may limit it.

@@ -1,6 +1,6 @@
 //! The layer beneath the stages: Vulkan objects, their ownership, and every transfer between CPU and GPU.
 //!
-//! Comes in: sizes, bytes, SPIR-V. Goes out: buffers, pipelines, recorded and submitted work, and a ledger of every
+//! Comes in: sizes, bytes, kernels of this crate. Goes out: buffers, pipelines, recorded and submitted work, and a ledger of every
 //! byte that crossed. It knows nothing of scenes. This folder alone names Vulkan and may use `unsafe`.
 //!
 //! ```text
