@@ -125,21 +125,35 @@ fn garbage_in_buffers_and_constants_is_survived() {
         let tracer = pipeline(context, shaders::PATH_TRACE_KEEP_NAN, &constants).expect("a pipeline");
         let bound = resources(context, &tracer, 1 << 16);
         let group = BindGroup::new(&tracer, &bound).expect("a group");
-        for word in [0, 0xffff_ffff, 0x7fff_ffff, 0x0fff_0013, 0xa5a5_a5a5] {
+        // Every phase, searching or not, with a stack far larger than the array; then words that mean nothing.
+        let states = (0..32).map(|low| (0xffff_0000 | low, false)).chain([(0x0fff_0013, false)]);
+        let words = [0, 0xffff_ffff, 0x7fff_ffff, 0x0fff_0013, 0xa5a5_a5a5].map(|word| (word, true));
+        for (word, in_push_constants) in states.chain(words) {
             let mut recorder = Recorder::new(context, "garbage").expect("a recorder");
-            for (_, resource) in &bound {
+            for (number, resource) in &bound {
                 let buffer = match resource {
                     Resource::Texel(texels) => texels.buffer(),
                     Resource::Storage(buffer) => buffer,
                 };
+                // Pixel 0 and its neighbours are listed, so that their states are loaded.
+                let word = if *number == BINDING_LISTS && !in_push_constants { 0 } else { word };
                 recorder.fill(buffer, 0, buffer.size_bytes(), word).expect("a fill");
             }
             recorder.barrier(texray::gpu::Barrier::TransferToCompute).expect("a barrier");
             let mut push = [0u8; PUSH_CONSTANT_BYTES as usize];
-            push.as_chunks_mut::<4>().0.fill(word.to_ne_bytes());
-            for &(_, offset) in PUSH_CONSTANTS.iter().filter(|(name, _)| *name == "PUSH_BUDGET") {
-                push[offset as usize..][..4].copy_from_slice(&500u32.to_ne_bytes());
+            let mut set = |name: &str, value: u32| {
+                let (_, offset) = PUSH_CONSTANTS.iter().find(|(known, _)| *known == name).expect("a push constant");
+                push[*offset as usize..][..4].copy_from_slice(&value.to_ne_bytes());
+            };
+            if in_push_constants {
+                PUSH_CONSTANTS.iter().for_each(|(name, _)| set(name, word));
+            } else {
+                let going_on =
+                    [("PUSH_TILE_WIDTH", 8), ("PUSH_TILE_HEIGHT", 8), ("PUSH_SAMPLES", 16), ("PUSH_LISTED", 64)];
+                going_on.iter().for_each(|(name, value)| set(name, *value));
+                ["PUSH_TRIANGLES", "PUSH_LIGHTS", "PUSH_MAX_BOUNCES"].iter().for_each(|name| set(name, 8));
             }
+            set("PUSH_BUDGET", 500);
             recorder.dispatch(&tracer, &group, &push, [4, 4, 1]).expect("a dispatch");
             recorder.submit().expect("submitted").wait().expect("it ends");
         }

@@ -70,10 +70,15 @@ pub fn share_out_threads() -> ThreadShares {
     let (set, shares) = if startable < wanted {
         let (fewer, workers) = shares(roomy, cores, startable);
         let warning = format!(
-            "{startable} threads can be started and {wanted} are wanted{}: a driver for the CPU works with {fewer} instead of {driver}",
-            thread_limits::in_words()
+            "{startable} threads can be started and {wanted} are wanted{}: a driver for the CPU works with {fewer} of {driver}, texray \
+             itself with {} of {cores}",
+            thread_limits::in_words(),
+            workers.max(1)
         );
-        (Some(fewer), ThreadShares { workers: Some(workers), warning: Some(warning) })
+        (
+            Some(fewer),
+            ThreadShares { workers: Some(workers), warning: (fewer < driver || workers < cores).then_some(warning) },
+        )
     } else if roomy < driver {
         let warning = format!(
             "there is little address space{}: a driver for the CPU works with {roomy} threads instead of {driver}",
