@@ -194,7 +194,8 @@ fn read_depfile(path: &Path) -> Step<Vec<PathBuf>> {
     Ok(inputs.split_whitespace().map(PathBuf::from).filter(|path| path.exists()).collect())
 }
 
-/// Appends one module as a static `ShaderModule` of `u32` words, which have the alignment that Vulkan asks of shader code.
+/// Appends one module as a static `ShaderModule` of `u32` words, which have the alignment that Vulkan asks of shader
+/// code.
 fn write_module(shaders: &mut String, module: &Module, words: &[u32]) -> Step<()> {
     let name = module.name.to_uppercase();
     if !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {

@@ -1,6 +1,7 @@
 //! What a render is asked to do: values from the command line and the scene's defaults. Every stage may read them.
 //!
-//! Goes out: settings that [`Settings::check`] has passed, since the renderer and the estimate of the bounce cap ask it first.
+//! Goes out: settings that [`Settings::check`] has passed, since the renderer and the estimate of the bounce cap ask
+//! it first.
 
 pub use crate::bvh::{Builder, Intersector};
 use crate::scene::{Filter, Scene};
@@ -97,7 +98,8 @@ impl Settings {
                 |first: u32, count: u32, all: u32| count > 0 && first.checked_add(count).is_some_and(|end| end <= all);
             if !inside(x, width, self.width) || !inside(y, height, self.height) {
                 return Err(Error::Usage(format!(
-                    "crop {x},{y},{width},{height} (x, y, width, height) must be 1 pixel or more inside the picture of {}x{}",
+                    "crop {x},{y},{width},{height} (x, y, width, height) must be 1 pixel or more inside the \
+                     picture of {}x{}",
                     self.width, self.height
                 )));
             }

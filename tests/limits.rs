@@ -1,7 +1,9 @@
-//! Little address space, few threads: a picture or an error with need and have, never a death by a signal or a wait without end.
+//! Little address space, few threads: a picture or an error with need and have, never a death by a signal or a wait
+//! without end.
 //!
-//! Comes in: the program under `ulimit`. Where a limit begins to bind depends on driver and machine, so these tests look at how a run
-//! ends, not at which limit it needs. The limit on threads does not bind root: the program then runs as another user, by `setpriv`.
+//! Comes in: the program under `ulimit`. Where a limit begins to bind depends on driver and machine, so these tests
+//! look at how a run ends, not at which limit it needs. The limit on threads does not bind root: the program then
+//! runs as another user, by `setpriv`.
 
 use std::fs;
 use std::path::Path;
@@ -52,7 +54,8 @@ fn with_address_space(kibibytes: u64) -> Command {
     command
 }
 
-/// `prlimit` (util-linux) that sets a limit on tasks for what follows, and for root `setpriv` to become a user whom it binds.
+/// `prlimit` (util-linux) that sets a limit on tasks for what follows, and for root `setpriv` to become a user whom
+/// it binds.
 fn with_tasks(tasks: u32) -> Command {
     let mut command = Command::new("prlimit");
     command.arg(format!("--nproc={tasks}"));

@@ -1,7 +1,8 @@
-//! Safe code cannot make undefined behaviour: what a caller may give the library, at its worst, is refused before it reaches the driver.
+//! Safe code cannot make undefined behaviour: what a caller may give the library, at its worst, is refused before it
+//! reaches the driver.
 //!
-//! Comes in: modules, buffers of other devices, numbers out of range, a device that does not answer in time. Goes out: errors, and a
-//! process that goes on; validation with synchronisation validation finds nothing.
+//! Comes in: modules, buffers of other devices, numbers out of range, a device that does not answer in time. Goes
+//! out: errors, and a process that goes on; validation with synchronisation validation finds nothing.
 
 #![forbid(unsafe_code)]
 
@@ -107,7 +108,8 @@ fn constants_that_no_device_can_take_are_refused() {
     assert_valid(context);
 }
 
-/// Path states, records and push constants of any content lead nowhere outside their buffers and arrays: the process lives.
+/// Path states, records and push constants of any content lead nowhere outside their buffers and arrays: the process
+/// lives.
 #[test]
 fn garbage_in_buffers_and_constants_is_survived() {
     let context = context();

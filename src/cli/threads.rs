@@ -1,7 +1,8 @@
 //! Threads of the process, shared out before any is started.
 //!
-//! Comes in: what the library finds can be started. Goes out: a pool of workers no larger than that, and a warning where it is less
-//! than usual. Without a limit nothing is done here: the pool starts by itself when it is first needed.
+//! Comes in: what the library finds can be started. Goes out: a pool of workers no larger than that, and a warning
+//! where it is less than usual. Without a limit nothing is done here: the pool starts by itself when it is first
+//! needed.
 
 use texray::gpu::share_out_threads;
 use texray::{Error, Result};

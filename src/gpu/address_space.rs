@@ -1,9 +1,9 @@
 //! The process's address space: how much of it is left under `ulimit -v`.
 //!
-//! Comes in: what the driver, or a buffer, is about to take. Goes out: nothing, or [`Error::Limit`] with need and have. A driver
-//! for the CPU compiles kernels inside the process, and where its compiler or one of its threads gets no memory it ends the process or
-//! waits for ever: so it is asked for nothing that there is no room for. Where there is no limit, or the system does not say what is
-//! taken, nothing is refused here.
+//! Comes in: what the driver, or a buffer, is about to take. Goes out: nothing, or [`Error::Limit`] with need and
+//! have. A driver for the CPU compiles kernels inside the process, and where its compiler or one of its threads gets
+//! no memory it ends the process or waits for ever: so it is asked for nothing that there is no room for. Where there
+//! is no limit, or the system does not say what is taken, nothing is refused here.
 
 use super::device_info::{DeviceInfo, DeviceKind};
 use super::driver_threads::POOLS;
@@ -53,12 +53,13 @@ fn pool_bytes(threads: usize) -> u64 {
     stack_bytes().saturating_add(GUARD_BYTES).saturating_mul((POOLS * threads) as u64)
 }
 
-/// Where address space is limited, has all threads share one piece of memory to allocate from: the C library else reserves 64 MiB for
-/// each, and more where it cannot place them, of which a thread of a driver uses next to nothing.
+/// Where address space is limited, has all threads share one piece of memory to allocate from: the C library else
+/// reserves 64 MiB for each, and more where it cannot place them, of which a thread of a driver uses next to nothing.
 pub(super) fn share_arenas() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     if left().is_some() {
-        // SAFETY: any thread may call it at any time; it sets a number that is read when a thread allocates for the first time.
+        // SAFETY: any thread may call it at any time; it sets a number that is read when a thread allocates for the
+        // first time.
         unsafe { libc::mallopt(libc::M_ARENA_MAX, 1) };
     }
 }

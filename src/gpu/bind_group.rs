@@ -97,9 +97,9 @@ impl BindGroup {
                 BindingKind::Storage => write.buffer_info(range),
             });
         }
-        // SAFETY: no work uses the new set; each write names a binding of its kind; views and buffers have the usage for
-        // it and belong to this device, storage ranges are within limits (checked when the buffer was made), and all are kept alive
-        // below.
+        // SAFETY: no work uses the new set; each write names a binding of its kind; views and buffers have the usage
+        // for it and belong to this device, storage ranges are within limits (checked when the buffer was made), and
+        // all are kept alive below.
         unsafe { device.raw().update_descriptor_sets(&writes, &[]) };
         let resources = resources.into_iter().map(|(_, resource)| resource).collect();
         Ok(Arc::new(BindGroup { raw, _pool: pool, pipeline: pipeline.clone(), _resources: resources }))

@@ -74,8 +74,9 @@ impl Context {
         self.0.device.copied_bytes()
     }
 
-    /// Bounds how long a wait for submitted work may take, `None`: as long as it takes, which is how a context begins. A wait that runs
-    /// out of time fails, and what the work uses is kept for good, since the work may still run.
+    /// Bounds how long a wait for submitted work may take, `None`: as long as it takes, which is how a context
+    /// begins. A wait that runs out of time fails, and what the work uses is kept for good, since the work may still
+    /// run.
     pub fn limit_waits(&self, limit: Option<Duration>) {
         self.0.device.limit_waits(limit);
     }

@@ -1,7 +1,7 @@
 //! What a module asks of its pipeline: bindings, push constants, workgroup.
 //!
-//! Comes in: SPIR-V without specialisation constants. Goes out: a [`Declared`], from which the pipeline's layout is made, so that
-//! layout and module cannot differ; or an error where the module has what no pipeline here can give it.
+//! Comes in: SPIR-V without specialisation constants. Goes out: a [`Declared`], from which the pipeline's layout is
+//! made, so that layout and module cannot differ; or an error where the module has what no pipeline here can give it.
 
 use std::collections::{HashMap, HashSet};
 
@@ -51,8 +51,8 @@ const OP_SELECTION_MERGE: u32 = 247;
 const OP_BRANCH_CONDITIONAL: u32 = 250;
 const OP_SWITCH: u32 = 251;
 
-/// Most elements of an array in a shader's own memory. Compilers place such arrays on the stack of a thread, once for each lane of a
-/// vector; the longest here, a traversal stack, has a few dozen.
+/// Most elements of an array in a shader's own memory. Compilers place such arrays on the stack of a thread, once for
+/// each lane of a vector; the longest here, a traversal stack, has a few dozen.
 const MOST_ELEMENTS: u32 = 4096;
 
 /// What a module asks for.
@@ -269,8 +269,8 @@ impl<'a> Module<'a> {
     }
 }
 
-/// The ids among an instruction's operands. Where literals stand they are left out, since they may be equal to the number of an id;
-/// a type or result that is taken along is no variable's.
+/// The ids among an instruction's operands. Where literals stand they are left out, since they may be equal to the
+/// number of an id; a type or result that is taken along is no variable's.
 fn ids<'a>(instruction: &Instruction<'a>) -> impl Iterator<Item = u32> + use<'a> {
     let operands = instruction.operands();
     let (first, last) = match instruction.opcode() {

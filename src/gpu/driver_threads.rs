@@ -1,13 +1,14 @@
 //! Threads: how many the process can start, and how many of them a Vulkan driver for the CPU works with.
 //!
-//! Comes in: the machine's cores, and whatever limits the process (`ulimit -u`, a control group, memory). Goes out: the environment
-//! variable that lavapipe reads, and what is left for texray's own workers; or a refusal, before the driver starts fewer threads than
-//! it then waits for.
+//! Comes in: the machine's cores, and whatever limits the process (`ulimit -u`, a control group, memory). Goes out:
+//! the environment variable that lavapipe reads, and what is left for texray's own workers; or a refusal, before the
+//! driver starts fewer threads than it then waits for.
 //!
-//! lavapipe divides a dispatch into as many equal ranges of workgroups as it has threads, and a thread whose range is done takes no
-//! part of another's. With a thread a core, which is its default, the core that is slower for the moment keeps the others waiting at
-//! the end of every dispatch. With several, the system's scheduler gives the ranges that are left to the core that is free. It takes
-//! no note of a thread that it could not start, and waits for it for ever: so it is asked for no more than there can be.
+//! lavapipe divides a dispatch into as many equal ranges of workgroups as it has threads, and a thread whose range is
+//! done takes no part of another's. With a thread a core, which is its default, the core that is slower for the
+//! moment keeps the others waiting at the end of every dispatch. With several, the system's scheduler gives the
+//! ranges that are left to the core that is free. It takes no note of a thread that it could not start, and waits for
+//! it for ever: so it is asked for no more than there can be.
 
 use std::fs;
 use std::sync::{Mutex, PoisonError};
@@ -47,16 +48,16 @@ const FORGET_LIMIT: Duration = Duration::from_secs(1);
 /// How the threads that can be started are shared out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ThreadShares {
-    /// Threads for work of the host in parallel; 0: the thread that asks does it. `None`: as many as there are cores, for there are
-    /// threads enough.
+    /// Threads for work of the host in parallel; 0: the thread that asks does it. `None`: as many as there are cores,
+    /// for there are threads enough.
     pub workers: Option<usize>,
     /// What to tell a user where there are fewer threads than wanted.
     pub warning: Option<String>,
 }
 
-/// Shares the threads out that the process can start: for lavapipe, by its environment variable `LP_NUM_THREADS`, which other drivers
-/// do not read, and for the host. A number that a user gave lavapipe stays where there are so many. Does nothing where the process has
-/// begun another thread or cannot tell: a program calls it first of all.
+/// Shares the threads out that the process can start: for lavapipe, by its environment variable `LP_NUM_THREADS`,
+/// which other drivers do not read, and for the host. A number that a user gave lavapipe stays where there are so
+/// many. Does nothing where the process has begun another thread or cannot tell: a program calls it first of all.
 pub fn share_out_threads() -> ThreadShares {
     let cores = cores();
     if !is_only_thread() {
@@ -70,8 +71,8 @@ pub fn share_out_threads() -> ThreadShares {
     let (set, shares) = if startable < wanted {
         let (fewer, workers) = shares(roomy, cores, startable);
         let warning = format!(
-            "{startable} threads can be started and {wanted} are wanted{}: a driver for the CPU works with {fewer} of {driver}, texray \
-             itself with {} of {cores}",
+            "{startable} threads can be started and {wanted} are wanted{}: a driver for the CPU works with {fewer} \
+             of {driver}, texray itself with {} of {cores}",
             thread_limits::in_words(),
             workers.max(1)
         );
@@ -89,8 +90,8 @@ pub fn share_out_threads() -> ThreadShares {
         (threads(cores).filter(|_| given.is_none()), ThreadShares::default())
     };
     if let Some(threads) = set.filter(|_| is_only_thread()) {
-        // SAFETY: no other thread may read or write the environment meanwhile. There is none: those of the trial have ended, and this
-        // one starts none.
+        // SAFETY: no other thread may read or write the environment meanwhile. There is none: those of the trial have
+        // ended, and this one starts none.
         unsafe { std::env::set_var(VARIABLE, threads.to_string()) };
     }
     shares
@@ -145,8 +146,8 @@ fn needed(driver: usize) -> usize {
     POOLS * driver + QUEUE_THREADS
 }
 
-/// Of `startable` threads those for lavapipe, which then does nearly all of the work, and what is left for the host. Without threads
-/// of its own lavapipe works in that of its queue.
+/// Of `startable` threads those for lavapipe, which then does nearly all of the work, and what is left for the host.
+/// Without threads of its own lavapipe works in that of its queue.
 fn shares(driver: usize, cores: usize, startable: usize) -> (usize, usize) {
     let left = startable.saturating_sub(QUEUE_THREADS + CACHE_THREADS);
     let driver = driver.min(left / POOLS);

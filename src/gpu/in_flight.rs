@@ -1,8 +1,9 @@
 //! Work that the device is doing, and what it uses.
 //!
-//! Comes in: a submitted command slot and an `Arc` of all that its commands use. Goes out, after the wait for the fence:
-//! the time that the work took; the slot goes back to the context, the rest is let go. Dropping the guard waits too, so
-//! that nothing in use is ever freed. A wait that fails says nothing about the work: what that uses is then kept for good.
+//! Comes in: a submitted command slot and an `Arc` of all that its commands use. Goes out, after the wait for the
+//! fence: the time that the work took; the slot goes back to the context, the rest is let go. Dropping the guard
+//! waits too, so that nothing in use is ever freed. A wait that fails says nothing about the work: what that uses is
+//! then kept for good.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -69,8 +70,9 @@ impl InFlight {
             }
             Err(code) => {
                 if code != vk::Result::ERROR_DEVICE_LOST {
-                    // The wait itself failed (out of memory, or out of time) and the work may still run: nothing that it
-                    // uses may be freed, so all of it is given up for good. A lost device does no work, and its objects may go.
+                    // The wait itself failed (out of memory, or out of time) and the work may still run: nothing that
+                    // it uses may be freed, so all of it is given up for good. A lost device does no work, and its
+                    // objects may go.
                     std::mem::forget((slot, std::mem::take(&mut self.uses)));
                     self.given_up = true;
                 }

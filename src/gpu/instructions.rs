@@ -1,7 +1,7 @@
 //! The instructions of a SPIR-V module, one after the other.
 //!
-//! Comes in: the words of a module. Goes out: each instruction as its opcode and its operands. Numbers of opcodes and decorations
-//! are those of the SPIR-V specification, version 1.3.
+//! Comes in: the words of a module. Goes out: each instruction as its opcode and its operands. Numbers of opcodes and
+//! decorations are those of the SPIR-V specification, version 1.3.
 
 use crate::{Error, Result};
 

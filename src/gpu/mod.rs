@@ -1,7 +1,8 @@
 //! The layer beneath the stages: Vulkan objects, their ownership, and every transfer between CPU and GPU.
 //!
-//! Comes in: sizes, bytes, kernels of this crate. Goes out: buffers, pipelines, recorded and submitted work, and a ledger of every
-//! byte that crossed. It knows nothing of scenes. This folder alone names Vulkan and may use `unsafe`.
+//! Comes in: sizes, bytes, kernels of this crate. Goes out: buffers, pipelines, recorded and submitted work, and a
+//! ledger of every byte that crossed. It knows nothing of scenes. This folder alone names Vulkan and may use
+//! `unsafe`.
 //!
 //! ```text
 //! Instance ← Device ← Handle (buffer, view, pipeline, pool, fence ...)      ← reads "is kept alive by"
@@ -10,14 +11,14 @@
 //! ```
 //!
 //! Ownership, stated once:
-//! - A `Handle` owns one Vulkan object and an `Arc` of its device, and destroys the object when
-//!   dropped. It takes the object over the moment the object exists, so that `?` frees it.
+//! - A `Handle` owns one Vulkan object and an `Arc` of its device, and destroys the object when dropped. It takes the
+//!   object over the moment the object exists, so that `?` frees it.
 //! - Whatever submitted work may touch is handed out in an `Arc`; [`InFlight`] holds those until the device's fence
 //!   says that the work has ended. Nothing in use is ever freed, whatever the caller drops.
 //! - Memory that the host reads or writes is reached through [`Uploader`] and [`Readback`] only, which keep host and
 //!   device from touching the same bytes at once. Bind groups, fills and plain copies take device memory only.
-//! - Nothing that a caller gives reaches the driver unchecked: kernels are [`ShaderModule`]s of this crate, a pipeline's layout is
-//!   read off its module, and what is bound, copied or recorded together belongs to one device.
+//! - Nothing that a caller gives reaches the driver unchecked: kernels are [`ShaderModule`]s of this crate, a
+//!   pipeline's layout is read off its module, and what is bound, copied or recorded together belongs to one device.
 //! - `Drop` never panics and reports nothing; what it finds wrong goes to the message log of the context.
 
 #![allow(unsafe_code)]

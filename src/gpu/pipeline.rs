@@ -1,17 +1,18 @@
 //! A compute pipeline: a module of this crate, specialised, with the layout of what it binds.
 //!
-//! Comes in: a [`PipelineDesc`]. Goes out: a [`ComputePipeline`], or an error that names the device limit in the way. All
-//! bindings are in descriptor set 0; push constants begin at byte 0. The layout is read off the module, so it has every binding and
-//! every byte of push constants that the module uses.
+//! Comes in: a [`PipelineDesc`]. Goes out: a [`ComputePipeline`], or an error that names the device limit in the way.
+//! All bindings are in descriptor set 0; push constants begin at byte 0. The layout is read off the module, so it has
+//! every binding and every byte of push constants that the module uses.
 //!
 //! What a caller can choose, and what keeps it from harm:
 //! - The module is one of [`shaders`](super::shaders): words of other origin cannot become a [`ShaderModule`].
-//! - Specialisation constants may have any value. Workgroups must fit the device, arrays must be of a length that compilers take;
-//!   every other constant of the modules is a switch or a number that is compared, and no value of it leads out of an array.
-//! - Push constants and the content of buffers may be anything: reads and writes out of a buffer stay inside it or are dropped
-//!   (`robustBufferAccess`), and indices into a shader's own arrays are bounded by the shaders.
-//! - Not guarded: how long a dispatch takes. Loops end by the step budget in the push constants, which may be any number, and a
-//!   device that is kept too long may be lost (an error, not undefined behaviour).
+//! - Specialisation constants may have any value. Workgroups must fit the device, arrays must be of a length that
+//!   compilers take; every other constant of the modules is a switch or a number that is compared, and no value of it
+//!   leads out of an array.
+//! - Push constants and the content of buffers may be anything: reads and writes out of a buffer stay inside it or
+//!   are dropped (`robustBufferAccess`), and indices into a shader's own arrays are bounded by the shaders.
+//! - Not guarded: how long a dispatch takes. Loops end by the step budget in the push constants, which may be any
+//!   number, and a device that is kept too long may be lost (an error, not undefined behaviour).
 
 use std::fmt;
 use std::sync::Arc;
@@ -126,8 +127,9 @@ impl ComputePipeline {
         };
 
         let info = vk::ShaderModuleCreateInfo::default().code(&spirv);
-        // SAFETY: the words are glslang's output for Vulkan 1.1, since a `ShaderModule` has no other; its specialisation constants
-        // are made ordinary ones of the same types, arrays among them are of valid length; the handle is the only owner.
+        // SAFETY: the words are glslang's output for Vulkan 1.1, since a `ShaderModule` has no other; its
+        // specialisation constants are made ordinary ones of the same types, arrays among them are of valid length;
+        // the handle is the only owner.
         let module = unsafe {
             let raw = device.raw().create_shader_module(&info, None);
             Handle::own(device, raw.map_err(failed(format!("vkCreateShaderModule for `{name}`")))?, name)
@@ -138,8 +140,9 @@ impl ComputePipeline {
             .module(module.raw())
             .name(c"main");
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.raw())];
-        // SAFETY: module and layout are alive; the layout was read off the module, so it has every binding of it with its kind, and
-        // all of its push constants; the workgroup is within limits (`check`). The module may go once the pipeline is made. The one new pipeline is owned by the handle alone; a failed call makes none.
+        // SAFETY: module and layout are alive; the layout was read off the module, so it has every binding of it with
+        // its kind, and all of its push constants; the workgroup is within limits (`check`). The module may go once
+        // the pipeline is made. The one new pipeline is owned by the handle alone; a failed call makes none.
         let raw = unsafe {
             let made = device.raw().create_compute_pipelines(vk::PipelineCache::null(), &info, None);
             let made = made.map_err(|(_, code)| failed(format!("vkCreateComputePipelines for `{name}`"))(code))?;

@@ -1,8 +1,8 @@
 //! A shader module of this crate.
 //!
-//! Comes in: words that `build.rs` compiled from `glsl/`. Goes out: a [`ShaderModule`], which nothing outside this folder can
-//! make. Drivers take SPIR-V on trust: one flipped word ends the process inside a compiler, so safe code must not be able to hand
-//! them words of its own.
+//! Comes in: words that `build.rs` compiled from `glsl/`. Goes out: a [`ShaderModule`], which nothing outside this
+//! folder can make. Drivers take SPIR-V on trust: one flipped word ends the process inside a compiler, so safe code
+//! must not be able to hand them words of its own.
 
 use std::fmt;
 use std::hash::{Hash, Hasher};

@@ -26,9 +26,10 @@ const OP_SPEC_CONSTANT_COMPOSITE: u32 = 51;
 const OP_SPEC_CONSTANT_OP: u32 = 52;
 const OP_DECORATE: u32 = 71;
 
-/// The module's words with `values`, `(constant id, value)`, in the place of its specialisation constants; those without a value keep
-/// their default. A value is the 32 bits of a number, or 0 and 1 for a bool; ids that the module lacks are ignored. Fails where the
-/// module computes something from constants that this does not know, such as a quotient by 0.
+/// The module's words with `values`, `(constant id, value)`, in the place of its specialisation constants; those
+/// without a value keep their default. A value is the 32 bits of a number, or 0 and 1 for a bool; ids that the module
+/// lacks are ignored. Fails where the module computes something from constants that this does not know, such as a
+/// quotient by 0.
 pub fn specialise(module: ShaderModule, values: &[(u32, u32)]) -> Result<Vec<u32>> {
     fold(module.words(), values)
 }

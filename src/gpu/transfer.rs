@@ -42,8 +42,8 @@ struct Chunk {
 }
 
 impl Chunk {
-    /// Waits for the copy out of it, if there is one. Where that fails the chunk stays as it is, so that the host never writes what the
-    /// device may still read.
+    /// Waits for the copy out of it, if there is one. Where that fails the chunk stays as it is, so that the host
+    /// never writes what the device may still read.
     fn finish(&mut self) -> Result<()> {
         if let Some(copy) = &mut self.in_flight {
             copy.finish()?;

@@ -1,6 +1,7 @@
 //! Sizes that trade memory, speed and responsiveness.
 //!
-//! Comes in: choices of a test or a study; a user's render has the defaults. Goes out: the same, checked where they enter the renderer.
+//! Comes in: choices of a test or a study; a user's render has the defaults. Goes out: the same, checked where they
+//! enter the renderer.
 
 use crate::error::{Error, Result};
 use crate::interface::{BLOCK_SAMPLES, EFFECTS, MAX_STEP_BUDGET, MIN_STEP_BUDGET};
@@ -12,8 +13,8 @@ use crate::settings::{Buffers, MAX_SIDE, in_range};
 pub struct Tuning {
     /// Tile size in pixels, 1 to 16384 a side, and no more tiles than [`MOST_TILES`]; otherwise the largest that fits.
     pub tile: Option<[u32; 2]>,
-    /// Step budget of an invocation in a dispatch, 64 to 8191, less on a CPU whose vectors have more than 8 lanes; otherwise by the
-    /// clock.
+    /// Step budget of an invocation in a dispatch, 64 to 8191, less on a CPU whose vectors have more than 8 lanes;
+    /// otherwise by the clock.
     pub budget: Option<u32>,
     /// Samples of a run, 1 to 16; otherwise by the clock.
     pub run_samples: Option<u32>,

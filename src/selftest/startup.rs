@@ -23,8 +23,8 @@ pub const NAN: &str = "nan";
 /// What the finding about loops looks at.
 pub const LOOPS: &str = "loops";
 
-/// How long the device may take to answer. The kernel is small: lavapipe takes a fraction of a second, nearly all of it to compile. A
-/// driver that has lost one of its threads never answers.
+/// How long the device may take to answer. The kernel is small: lavapipe takes a fraction of a second, nearly all of
+/// it to compile. A driver that has lost one of its threads never answers.
 const ANSWER_LIMIT: Duration = Duration::from_secs(60);
 /// Invocations: one workgroup.
 const CALLS: usize = 64;

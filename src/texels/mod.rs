@@ -54,7 +54,8 @@ pub struct TexelData {
     pub light_count: u32,
 }
 
-/// Refuses triangles of a material or of corners that the scene lacks: a scene that was loaded has none, one made by hand may.
+/// Refuses triangles of a material or of corners that the scene lacks: a scene that was loaded has none, one made by
+/// hand may.
 fn check_indices(scene: &Scene) -> Result<()> {
     let lacks = |triangle: &&Triangle| {
         let smooth = triangle.corners != NO_INDEX && triangle.corners as usize >= scene.corners.len();
