@@ -1,7 +1,7 @@
 //! Writes `interface.glsl` from `src/interface.rs`, then compiles each `glsl/*.comp` to SPIR-V with the glslang binary.
 //!
 //! Comes in: the contract, the shader sources, and a glslang found in `GLSLANG` or on `PATH`. Goes out, all in
-//! `OUT_DIR`: `interface.glsl`, one `.spv` a module, and `shaders.rs`, one `pub static NAME: &[u32]` a module. A
+//! `OUT_DIR`: `interface.glsl`, one `.spv` a module, and `shaders.rs`, one `pub static NAME: ShaderModule` a module. A
 //! shader that does not compile stops the build and shows the compiler's own message.
 
 use std::collections::BTreeSet;
@@ -194,7 +194,8 @@ fn read_depfile(path: &Path) -> Step<Vec<PathBuf>> {
     Ok(inputs.split_whitespace().map(PathBuf::from).filter(|path| path.exists()).collect())
 }
 
-/// Appends one module as a static of `u32` words, which have the alignment that Vulkan asks of shader code.
+/// Appends one module as a static `ShaderModule` of `u32` words, which have the alignment that Vulkan asks of shader
+/// code.
 fn write_module(shaders: &mut String, module: &Module, words: &[u32]) -> Step<()> {
     let name = module.name.to_uppercase();
     if !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
@@ -206,12 +207,12 @@ fn write_module(shaders: &mut String, module: &Module, words: &[u32]) -> Step<()
         false => format!(" with `{}`", module.defines.join("`, `")),
     };
     let _ = writeln!(shaders, "/// SPIR-V of `{source}`{defines}.");
-    let _ = write!(shaders, "pub static {name}: &[u32] = &[");
+    let _ = write!(shaders, "pub static {name}: ShaderModule = ShaderModule::built(&[");
     for (index, word) in words.iter().enumerate() {
         let separator = if index % 12 == 0 { "\n    " } else { " " };
         let _ = write!(shaders, "{separator}{word:#010x},");
     }
-    shaders.push_str("\n];\n");
+    shaders.push_str("\n]);\n");
     Ok(())
 }
 

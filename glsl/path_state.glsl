@@ -127,7 +127,8 @@ Path load_path(uint pixel) {
     traversal.nodes = search.zw;
     traversal.triangles = triangles.xy;
     traversal.queued = triangles.zw;
-    traversal.stack_size = first.x >> 16;
+    // Whatever the buffer holds, no index is past the array.
+    traversal.stack_size = min(first.x >> 16, STACK_ENTRIES);
     traversal.searching = (first.x & 16u) != 0u;
     for (uint i = 0u; i < STACK_ENTRIES / STACK_ENTRIES_A_TEXEL; i++) {
         if (i * STACK_ENTRIES_A_TEXEL < traversal.stack_size) {

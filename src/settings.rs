@@ -1,9 +1,20 @@
-//! What a render is asked to do: checked values, from the command line and the scene's defaults. Every stage may read them.
+//! What a render is asked to do: values from the command line and the scene's defaults. Every stage may read them.
+//!
+//! Goes out: settings that [`Settings::check`] has passed, since the renderer and the estimate of the bounce cap ask
+//! it first.
 
 pub use crate::bvh::{Builder, Intersector};
 use crate::scene::{Filter, Scene};
+use crate::{Error, Result};
 
-/// Settings of a render. Everything here is checked: ranges are those stated at the fields.
+/// Largest width and height of a picture, in pixels.
+pub const MAX_SIDE: u32 = 16384;
+/// Most surface scatterings that a path may have.
+pub const MAX_BOUNCES: u32 = 65535;
+/// Most replicates a film may have.
+pub const MAX_REPLICATES: u32 = 256;
+
+/// Settings of a render. Ranges are those stated at the fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Picture width in pixels, 1 to 16384.
@@ -42,7 +53,7 @@ pub struct Settings {
     pub all_effects: bool,
     /// Render even where nothing can emit.
     pub allow_black: bool,
-    /// Independently scrambled sets of samples that the film keeps apart, at least 2; the error estimate rests on them.
+    /// Independently scrambled sets of samples that the film keeps apart, 2 to 256; the error estimate rests on them.
     /// `None`: as many as the film's rule gives a picture of this size.
     pub replicates: Option<u32>,
 }
@@ -73,6 +84,35 @@ impl Settings {
         }
     }
 
+    /// Refuses what is out of the range that its field states.
+    pub fn check(&self) -> Result<()> {
+        in_range("width", self.width, 1, MAX_SIDE)?;
+        in_range("height", self.height, 1, MAX_SIDE)?;
+        in_range("spp", self.spp, 1, u32::MAX)?;
+        in_range("max_bounces", self.max_bounces, 1, MAX_BOUNCES)?;
+        if let Some(replicates) = self.replicates {
+            in_range("replicates", replicates, 2, MAX_REPLICATES)?;
+        }
+        if let Some([x, y, width, height]) = self.crop {
+            let inside =
+                |first: u32, count: u32, all: u32| count > 0 && first.checked_add(count).is_some_and(|end| end <= all);
+            if !inside(x, width, self.width) || !inside(y, height, self.height) {
+                return Err(Error::Usage(format!(
+                    "crop {x},{y},{width},{height} (x, y, width, height) must be 1 pixel or more inside the \
+                     picture of {}x{}",
+                    self.width, self.height
+                )));
+            }
+        }
+        match self.roulette {
+            // Also what is not a number.
+            Roulette::Fixed(p) if !(0.001..=1.0).contains(&p) => {
+                Err(Error::Usage(format!("roulette {p} is out of range: 0.001 to 1 is allowed")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// How a light is chosen; without light samples nothing asks for a tree, so there is none.
     pub fn effective_light_pick(&self) -> LightPick {
         match (self.lights, self.light_pick) {
@@ -84,6 +124,14 @@ impl Settings {
     /// The part of the picture that is rendered, `[x, y, width, height]` in pixels.
     pub fn region(&self) -> [u32; 4] {
         self.crop.unwrap_or([0, 0, self.width, self.height])
+    }
+}
+
+/// Refuses a `value` of the setting `name` outside `least` to `most`.
+pub(crate) fn in_range(name: &str, value: u32, least: u32, most: u32) -> Result<()> {
+    match (least..=most).contains(&value) {
+        true => Ok(()),
+        false => Err(Error::Usage(format!("{name} {value} is out of range: {least} to {most} is allowed"))),
     }
 }
 
@@ -192,4 +240,67 @@ pub enum Buffers {
     Texel,
     /// Storage buffers.
     Storage,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::selftest::bench::plain_settings;
+    use crate::selftest::calls::nothing;
+
+    fn settings() -> Settings {
+        plain_settings(&nothing(), 32, 24, 16)
+    }
+
+    #[test]
+    fn every_range_has_both_its_ends_and_nothing_beyond() {
+        type Set = fn(&mut Settings, u32);
+        let fields: [(&str, Set, u32, u32); 5] = [
+            ("width", |settings, value| settings.width = value, 1, 16384),
+            ("height", |settings, value| settings.height = value, 1, 16384),
+            ("spp", |settings, value| settings.spp = value, 1, u32::MAX),
+            ("max_bounces", |settings, value| settings.max_bounces = value, 1, 65535),
+            ("replicates", |settings, value| settings.replicates = Some(value), 2, 256),
+        ];
+        for (name, set, least, most) in fields {
+            let checked = |value: u32| {
+                let mut settings = settings();
+                set(&mut settings, value);
+                settings.check()
+            };
+            assert!(checked(least).is_ok() && checked(most).is_ok(), "{name}");
+            for value in [least.checked_sub(1), most.checked_add(1), (most < u32::MAX).then_some(u32::MAX)] {
+                let Some(value) = value else { continue };
+                let error = checked(value).unwrap_err();
+                let said = error.to_string();
+                assert!(matches!(error, Error::Usage(_)), "{error:?}");
+                assert!(
+                    said.contains(name) && said.contains(&value.to_string()) && said.contains(&most.to_string()),
+                    "{said}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_crop_is_a_part_of_the_picture() {
+        let checked = |crop| Settings { crop: Some(crop), ..settings() }.check();
+        for crop in [[0, 0, 32, 24], [31, 23, 1, 1], [3, 4, 5, 6]] {
+            assert!(checked(crop).is_ok(), "{crop:?}");
+        }
+        for crop in [[0, 0, 0, 1], [0, 0, 1, 0], [32, 0, 1, 1], [0, 24, 1, 1], [1, 0, 32, 1], [u32::MAX, 0, 2, 1]] {
+            let error = checked(crop).unwrap_err();
+            assert!(matches!(&error, Error::Usage(said) if said.contains("32x24")), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_survival_probability_is_one() {
+        let checked = |p| Settings { roulette: Roulette::Fixed(p), ..settings() }.check();
+        assert!([0.001, 0.5, 1.0].into_iter().all(|p| checked(p).is_ok()));
+        for p in [0.0, 0.0009, 1.001, -0.5, f32::INFINITY, f32::NAN] {
+            let error = checked(p).unwrap_err();
+            assert!(matches!(&error, Error::Usage(said) if said.contains("0.001 to 1")), "{error}");
+        }
+    }
 }

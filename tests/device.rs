@@ -8,9 +8,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use texray::gpu::{
-    Barrier, BindGroup, BindingKind, BindingSlot, Buffer, BufferUse, ComputePipeline, Context, ContextOptions,
-    DeviceChoice, Direction, Ledger, Memory, PipelineDesc, Readback, Recorder, Resource, TexelBuffer, Uploader, canary,
-    list_devices, shaders,
+    Barrier, BindGroup, Buffer, BufferUse, ComputePipeline, Context, ContextOptions, DeviceChoice, Direction, Ledger,
+    Memory, PipelineDesc, Readback, Recorder, Resource, TexelBuffer, Uploader, canary, list_devices, shaders,
 };
 use texray::{Error, interface};
 
@@ -25,17 +24,7 @@ fn assert_clean(context: &Context) {
 }
 
 fn echo_pipeline(context: &Context) -> Arc<ComputePipeline> {
-    let bindings = [
-        BindingSlot { number: interface::BINDING_PROBE_OUTPUT, kind: BindingKind::Storage },
-        BindingSlot { number: interface::BINDING_PROBE_INPUT, kind: BindingKind::Texel },
-    ];
-    let desc = PipelineDesc {
-        name: "probe_echo",
-        spirv: shaders::PROBE_ECHO,
-        bindings: &bindings,
-        push_constant_bytes: 4,
-        specialization: &[],
-    };
+    let desc = PipelineDesc { name: "probe_echo", module: shaders::PROBE_ECHO, specialization: &[] };
     ComputePipeline::new(context, &desc).unwrap()
 }
 
@@ -236,21 +225,10 @@ fn limits_are_refused_by_name() {
     drop(held);
     assert_eq!(context.device_bytes(), 0);
 
-    let many: Vec<_> = (0..=info.max_per_stage_storage_buffers.min(4096))
-        .map(|number| BindingSlot { number, kind: BindingKind::Storage })
-        .collect();
-    let desc = PipelineDesc {
-        name: "greedy",
-        spirv: shaders::PROBE_ECHO,
-        bindings: &many,
-        push_constant_bytes: info.max_push_constants_bytes + 4,
-        specialization: &[],
-    };
-    let limit = match info.max_per_stage_storage_buffers <= 4096 {
-        true => "maxPerStageDescriptorStorageBuffers",
-        false => "maxPushConstantsSize",
-    };
-    refused(ComputePipeline::new(&context, &desc).map(drop), "greedy", limit);
+    let specialization =
+        [(interface::SPEC_WORKGROUP_X, info.max_compute_work_group_size[0] + 1), (interface::SPEC_WORKGROUP_Y, 1)];
+    let desc = PipelineDesc { name: "wide", module: shaders::PATH_TRACE, specialization: &specialization };
+    refused(ComputePipeline::new(&context, &desc).map(drop), "workgroup", "maxComputeWorkGroupSize");
     refused(info.check_workgroup([u32::MAX, 1, 1]), "workgroup", "maxComputeWorkGroupSize");
     let [x, y, z] = info.max_compute_work_group_size;
     if u64::from(x) * u64::from(y) * u64::from(z) > u64::from(info.max_compute_work_group_invocations) {

@@ -24,7 +24,7 @@ const FIELDS: usize = 8;
 fn fetched(scene: &Scene, accel: &Accel, buffers: Buffers, binding: u32, count: usize) -> Vec<[Texel; FIELDS]> {
     let data = TexelData::pack(scene, accel, &Settings::for_scene(scene)).expect("the scene can be packed");
     let probe = Probe {
-        spirv: shaders::PROBE_LAYOUT,
+        module: shaders::PROBE_LAYOUT,
         data: &data,
         accel,
         buffers,

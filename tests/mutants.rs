@@ -78,7 +78,7 @@ fn sums_need_precise() {
     let bench = Bench::new(context(), Tier::Fast);
     let dispatches = 16;
     let expected = streams::sum(0, dispatches * streams::STEPS);
-    let sum = |spirv| streams::compensated(&bench, spirv, dispatches).expect("the probe runs")[0];
+    let sum = |module| streams::compensated(&bench, module, dispatches).expect("the probe runs")[0];
     let error = |sum: f32| (f64::from(sum) / expected - 1.0).abs();
     let (precise, loose) = (sum(shaders::PROBE_SUMS), sum(shaders::PROBE_SUMS_LOOSE));
     println!("10^6 x 0.1: {:.1e} with precise, {:.1e} without", error(precise), error(loose));

@@ -8,10 +8,14 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Op};
-use texray::gpu::{shaders, specialise};
+use texray::gpu::{ShaderModule, shaders, specialise};
 use texray::interface::*;
 
-fn parse(words: &[u32]) -> Module {
+fn parse(module: ShaderModule) -> Module {
+    parse_words(module.words())
+}
+
+fn parse_words(words: &[u32]) -> Module {
     rspirv::dr::load_words(words).expect("the library's SPIR-V is valid")
 }
 
@@ -113,8 +117,8 @@ fn hits_boxes_and_origins_are_never_contracted() {
 }
 
 /// Bits of floats whose NaN, infinities and signed zeros a module asks to keep.
-fn kept_nan(words: &[u32]) -> Vec<u32> {
-    let module = parse(words);
+fn kept_nan(module: ShaderModule) -> Vec<u32> {
+    let module = parse(module);
     let preserve = Operand::ExecutionMode(rspirv::spirv::ExecutionMode::SignedZeroInfNanPreserve);
     let modes = module.execution_modes.iter().filter(|mode| mode.operands[1] == preserve);
     modes.map(|mode| mode.operands[2].unwrap_literal_bit32()).collect()
@@ -244,7 +248,7 @@ fn specialised_modules_have_no_constants_left_to_specialise() {
     for (name, words) in modules {
         let before = parse(words);
         for values in [&[][..], &ids] {
-            let after = parse(&specialise(words, values).unwrap_or_else(|error| panic!("{name}: {error}")));
+            let after = parse_words(&specialise(words, values).unwrap_or_else(|error| panic!("{name}: {error}")));
             let spec = |module: &Module| {
                 let constants = module.types_global_values.iter().map(|instruction| instruction.class.opcode);
                 constants.filter(|op| format!("{op:?}").starts_with("SpecConstant")).count()

@@ -69,7 +69,7 @@ fn trace(mesh: &[Triangle], accel: &Accel, intersector: Intersector, questions: 
         Intersector::MollerTrumbore => INTERSECTOR_MOLLER_TRUMBORE,
     };
     let probe = Probe {
-        spirv: shaders::PROBE_TRACE,
+        module: shaders::PROBE_TRACE,
         data: &data,
         accel,
         buffers: Buffers::Texel,

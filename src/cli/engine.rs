@@ -130,7 +130,7 @@ impl Engine {
     /// A hash of the path tracer's kernel, the same from run to run.
     pub fn kernel_hash(&self) -> String {
         let mut hasher = DefaultHasher::new();
-        gpu::shaders::PATH_TRACE_KEEP_NAN.hash(&mut hasher);
+        gpu::shaders::PATH_TRACE_KEEP_NAN.words().hash(&mut hasher);
         format!("{:016x}", hasher.finish())
     }
 

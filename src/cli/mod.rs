@@ -27,6 +27,7 @@ mod stop;
 pub mod streams;
 mod study;
 mod summary;
+mod threads;
 
 use std::time::Instant;
 
@@ -84,6 +85,8 @@ enum Command {
 
 /// Runs the command that the process was started with, at `started`.
 pub fn run(started: Instant) -> Result<Outcome, Failure> {
+    // Before anything can begin a thread.
+    threads::share_out()?;
     signals::survive_large_files();
     let arguments = Arguments::try_parse().map_err(|error| {
         let typed: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();

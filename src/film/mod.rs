@@ -24,11 +24,11 @@ use crate::{Error, Result, memory};
 pub use error::PictureError;
 pub use estimate::{DENOMINATOR_FLOOR, Estimate};
 
+pub use crate::settings::MAX_REPLICATES;
+
 /// Pixels of a picture up to which it has four replicates; larger ones have two: their many pixels make up for the few
 /// replicates in the error of the picture, and each replicate's samples are spread more evenly the more there are of them.
 pub const FOUR_REPLICATES_PIXELS: u64 = 1 << 14;
-/// Most replicates a film may have.
-pub const MAX_REPLICATES: u32 = 256;
 
 /// What comes back of one pixel: `[sum.r, sum.g, sum.b]` as f32 bits, then the number of valid samples.
 pub type PixelSum = [u32; 4];
@@ -86,7 +86,7 @@ impl Film {
         let pixels = u64::from(width) * u64::from(height);
         let what = format!("memory for the film of {width}x{height} pixels and {replicates} replicates");
         memory::check(&what, Film::bytes(pixels, replicates))?;
-        let entries = usize::try_from(pixels * u64::from(replicates)).unwrap_or(usize::MAX);
+        let entries = usize::try_from(pixels.saturating_mul(u64::from(replicates))).unwrap_or(usize::MAX);
         memory::probe::<[i128; 3]>(&what, entries)?;
         let sums = vec![[0; 3]; entries];
         let counts = vec![0; entries];
@@ -182,6 +182,7 @@ impl Film {
     pub fn set_open(&mut self, replicate: u32, rect: [u32; 4], block: &[PixelSum]) -> Result<()> {
         self.check(replicate, rect, block)?;
         if self.open.is_empty() {
+            memory::probe::<Open>("memory for the open block of a film", self.pixels())?;
             self.open = vec![Open::default(); self.pixels()];
         }
         let ([x, y, width, height], row) = (rect.map(|value| value as usize), self.width as usize);

@@ -19,7 +19,8 @@ use ash::vk;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use gpu_allocator::{AllocationError, MemoryLocation};
 
-use super::device::Device;
+use super::address_space;
+use super::device::{DEVICE_BLOCK_BYTES, Device};
 use super::memory::Memory;
 use crate::{Error, Result};
 
@@ -60,7 +61,12 @@ impl Allocated {
             allocation_scheme: AllocationScheme::GpuAllocatorManaged,
         });
         let allocation = allocated.map_err(|error| match error {
-            AllocationError::OutOfMemory => limit(used),
+            // The heap has room, as seen above: the system has not.
+            AllocationError::OutOfMemory => Error::Limit {
+                what: format!("buffer `{name}` (memory heap {heap}, of which {used} of {heap_size} bytes are taken)"),
+                need: format!("{} bytes, or a block to share of up to {} bytes", needs.size, DEVICE_BLOCK_BYTES),
+                have: format!("less: the driver gets no more from the system{}", address_space::in_words()),
+            },
             error => Error::Vulkan { call: format!("allocating memory for `{name}`"), code: error.to_string() },
         })?;
         state.heap_bytes[heap] += allocation.size();
@@ -68,7 +74,9 @@ impl Allocated {
         let device_bytes = local.map(|(bytes, _)| bytes).sum::<u64>();
         state.device_bytes_peak = state.device_bytes_peak.max(device_bytes);
         drop(state);
-        Ok(Allocated { allocation, memory_type, device: device.clone() })
+        let allocated = Allocated { allocation, memory_type, device: device.clone() };
+        address_space::check_after(&device.info, name)?;
+        Ok(allocated)
     }
 }
 

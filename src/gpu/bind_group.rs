@@ -46,7 +46,16 @@ impl BindGroup {
             let declared = pipeline.bindings();
             return Err(Error::Internal(format!("`{name}` declares {declared:?} and was given {given:?}")));
         }
+        let device = pipeline.device();
         for (_, resource) in &resources {
+            let buffer = match resource {
+                Resource::Texel(texels) => texels.buffer(),
+                Resource::Storage(buffer) => buffer,
+            };
+            // Handles of another device name other objects on this one, or none.
+            if !Arc::ptr_eq(buffer.device(), device) {
+                return Err(Error::Internal(format!("`{}` for `{name}` belongs to another context", buffer.name())));
+            }
             if let Resource::Storage(buffer) = resource {
                 buffer.check_device_only("bound")?;
                 if !buffer.uses().storage {
@@ -55,7 +64,6 @@ impl BindGroup {
             }
         }
 
-        let device = pipeline.device();
         let count = |kind| given.iter().filter(|slot| slot.kind == kind).count() as u32;
         let size =
             |kind: BindingKind| vk::DescriptorPoolSize { ty: kind.descriptor_type(), descriptor_count: count(kind) };
@@ -89,8 +97,9 @@ impl BindGroup {
                 BindingKind::Storage => write.buffer_info(range),
             });
         }
-        // SAFETY: no work uses the new set; each write names a binding of its kind; views and buffers have the usage for
-        // it, storage ranges are within limits (checked when the buffer was made), and all are kept alive below.
+        // SAFETY: no work uses the new set; each write names a binding of its kind; views and buffers have the usage
+        // for it and belong to this device, storage ranges are within limits (checked when the buffer was made), and
+        // all are kept alive below.
         unsafe { device.raw().update_descriptor_sets(&writes, &[]) };
         let resources = resources.into_iter().map(|(_, resource)| resource).collect();
         Ok(Arc::new(BindGroup { raw, _pool: pool, pipeline: pipeline.clone(), _resources: resources }))

@@ -70,11 +70,12 @@ fn list<'a>(devices: impl Iterator<Item = &'a DeviceInfo>) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::device_info::{DeviceKind, HeapInfo};
     use super::*;
 
-    fn device(index: usize, name: &str, kind: DeviceKind) -> DeviceInfo {
+    /// A device with the least limits that Vulkan allows.
+    pub fn device(index: usize, name: &str, kind: DeviceKind) -> DeviceInfo {
         DeviceInfo {
             index,
             name: name.to_string(),

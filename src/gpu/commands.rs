@@ -209,7 +209,14 @@ impl Recorder {
         let result = unsafe { device.raw().queue_submit(*device.queue(), &submits, slot.fence.raw()) };
         result.map_err(failed(format!("vkQueueSubmit for `{}`", self.name)))?;
         let (slot, uses) = (self.slot.take(), std::mem::take(&mut self.uses));
-        Ok(InFlight { slot, uses, start, name: std::mem::take(&mut self.name), context: self.context.clone() })
+        Ok(InFlight {
+            slot,
+            given_up: false,
+            uses,
+            start,
+            name: std::mem::take(&mut self.name),
+            context: self.context.clone(),
+        })
     }
 
     /// Refuses what another context made.

@@ -6,6 +6,7 @@
 use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use super::choice::DeviceChoice;
 use super::device::Device;
@@ -71,6 +72,13 @@ impl Context {
     /// must come to the same totals.
     pub fn copied_bytes(&self) -> (u64, u64) {
         self.0.device.copied_bytes()
+    }
+
+    /// Bounds how long a wait for submitted work may take, `None`: as long as it takes, which is how a context
+    /// begins. A wait that runs out of time fails, and what the work uses is kept for good, since the work may still
+    /// run.
+    pub fn limit_waits(&self, limit: Option<Duration>) {
+        self.0.device.limit_waits(limit);
     }
 
     /// Bytes of device-local memory that buffers hold now. (Where host and device share one memory, as on CPUs, staging

@@ -9,18 +9,24 @@
 use std::ffi::{CStr, c_char};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
 use super::device_info::DeviceInfo;
+use super::driver_threads;
 use super::failure::failed;
 use super::instance::{Instance, lifecycle};
 use crate::{Error, Result};
 
 /// Not in the Vulkan 1.1 headers' stable part, so ash keeps the name behind a feature of its own.
 const PORTABILITY_SUBSET: &CStr = c"VK_KHR_portability_subset";
+
+/// Size of the blocks that small buffers of the device share, and of those that the host reaches.
+pub(super) const DEVICE_BLOCK_BYTES: u64 = 64 << 20;
+const HOST_BLOCK_BYTES: u64 = 16 << 20;
 
 /// The logical device.
 pub(super) struct Device {
@@ -33,6 +39,8 @@ pub(super) struct Device {
     pub(super) debug_utils: Option<ext::debug_utils::Device>,
     queue: Mutex<vk::Queue>,
     memory: Mutex<MemoryState>,
+    /// How long a wait for submitted work may take; `None`: as long as it takes.
+    wait_limit: Mutex<Option<Duration>>,
     /// Bytes that copy commands were recorded to take from upload buffers and into readback buffers.
     copied_up: AtomicU64,
     copied_down: AtomicU64,
@@ -53,6 +61,7 @@ pub(super) struct MemoryState {
 impl Device {
     /// Makes the device of `physical`, which `info` describes.
     pub(super) fn new(instance: Arc<Instance>, physical: vk::PhysicalDevice, info: DeviceInfo) -> Result<Arc<Device>> {
+        driver_threads::check(&info)?;
         // SAFETY: `physical` is a device of this instance; the calls change nothing.
         let (offered, memory) = unsafe {
             (
@@ -110,6 +119,7 @@ impl Device {
             debug_utils,
             queue: Mutex::new(queue),
             memory: Mutex::new(memory_state),
+            wait_limit: Mutex::new(None),
             copied_up: AtomicU64::new(0),
             copied_down: AtomicU64::new(0),
             info,
@@ -125,7 +135,7 @@ impl Device {
             // Shaders get descriptors, not addresses: addresses were 3 to 4 times slower on lavapipe.
             buffer_device_address: false,
             // Small buffers share blocks of these sizes; a larger buffer gets an allocation of its own.
-            allocation_sizes: AllocationSizes::new(64 << 20, 16 << 20),
+            allocation_sizes: AllocationSizes::new(DEVICE_BLOCK_BYTES, HOST_BLOCK_BYTES),
         })
         .map_err(|error| Error::Internal(format!("the memory allocator cannot be made: {error}")))?;
         device.memory().allocator = Some(allocator);
@@ -150,6 +160,16 @@ impl Device {
     /// The allocator and its counters.
     pub(super) fn memory(&self) -> MutexGuard<'_, MemoryState> {
         self.memory.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// How long a wait may take.
+    pub(super) fn wait_limit(&self) -> Option<Duration> {
+        *self.wait_limit.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Bounds the waits from now on.
+    pub(super) fn limit_waits(&self, limit: Option<Duration>) {
+        *self.wait_limit.lock().unwrap_or_else(PoisonError::into_inner) = limit;
     }
 
     /// Counts a recorded copy out of an upload buffer.

@@ -106,15 +106,18 @@ impl DeviceInfo {
 
     /// Refuses a workgroup of `size` that the device cannot run, naming the limit.
     pub fn check_workgroup(&self, size: [u32; 3]) -> Result<()> {
-        let invocations = size.iter().map(|&side| u64::from(side)).product::<u64>();
+        let invocations = size.iter().map(|&side| u128::from(side)).product::<u128>();
         let limit = |limit: &str, need: String, have: String| {
             Err(Error::Limit { what: format!("workgroup of {size:?} ({limit})"), need, have })
         };
+        if size.contains(&0) {
+            return limit("sides", format!("{size:?}"), "at least 1 each".to_string());
+        }
         if size.iter().zip(self.max_compute_work_group_size).any(|(&side, most)| side > most) {
             let have = format!("{:?}", self.max_compute_work_group_size);
             return limit("maxComputeWorkGroupSize", format!("{size:?}"), have);
         }
-        if invocations > u64::from(self.max_compute_work_group_invocations) {
+        if invocations > u128::from(self.max_compute_work_group_invocations) {
             let have = self.max_compute_work_group_invocations.to_string();
             return limit("maxComputeWorkGroupInvocations", invocations.to_string(), have);
         }

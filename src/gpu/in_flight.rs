@@ -1,8 +1,9 @@
 //! Work that the device is doing, and what it uses.
 //!
-//! Comes in: a submitted command slot and an `Arc` of all that its commands use. Goes out, after the wait for the fence:
-//! the time that the work took; the slot goes back to the context, the rest is let go. Dropping the guard waits too, so
-//! that nothing in use is ever freed.
+//! Comes in: a submitted command slot and an `Arc` of all that its commands use. Goes out, after the wait for the
+//! fence: the time that the work took; the slot goes back to the context, the rest is let go. Dropping the guard
+//! waits too, so that nothing in use is ever freed. A wait that fails says nothing about the work: what that uses is
+//! then kept for good.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -15,13 +16,15 @@ use super::context::Context;
 use super::failure::failed;
 use super::memory::Buffer;
 use super::slot::CommandSlot;
-use crate::Result;
+use crate::{Error, Result};
 
 /// Work that the device is doing.
 #[must_use = "dropping it waits for the device"]
 pub struct InFlight {
-    /// There until the work has ended.
+    /// There until the work has ended, or is given up.
     pub(super) slot: Option<CommandSlot>,
+    /// Whether a wait has failed, on a device that was not lost: whether the work has ended is unknown from then on.
+    pub(super) given_up: bool,
     pub(super) uses: Uses,
     pub(super) start: Instant,
     pub(super) name: String,
@@ -37,17 +40,26 @@ impl InFlight {
 
     /// Whether the work has ended, without waiting.
     pub fn is_done(&self) -> Result<bool> {
-        let Some(slot) = &self.slot else { return Ok(true) };
+        let Some(slot) = &self.slot else { return Ok(!self.given_up) };
         // SAFETY: the fence is alive and this guard's own.
         unsafe { self.context.device().raw().get_fence_status(slot.fence.raw()) }
             .map_err(failed(format!("vkGetFenceStatus for `{}`", self.name)))
     }
 
-    fn finish(&mut self) -> Result<Duration> {
+    /// [`InFlight::wait`] for who keeps the guard until the work has ended: it fails again where it has failed.
+    pub(super) fn finish(&mut self) -> Result<Duration> {
+        if self.given_up {
+            return Err(Error::Vulkan {
+                call: format!("waiting for `{}`", self.name),
+                code: "an earlier wait failed, and the work may still run".to_string(),
+            });
+        }
         let Some(mut slot) = self.slot.take() else { return Ok(Duration::ZERO) };
-        // No time-out: a lost device ends the wait with an error, and until then the objects must stay.
+        let device = self.context.device();
+        let limit = device.wait_limit();
+        let nanoseconds = limit.map_or(u64::MAX, |limit| u64::try_from(limit.as_nanos()).unwrap_or(u64::MAX));
         // SAFETY: the fence is alive and was submitted once.
-        let waited = unsafe { self.context.device().raw().wait_for_fences(&[slot.fence.raw()], true, u64::MAX) };
+        let waited = unsafe { device.raw().wait_for_fences(&[slot.fence.raw()], true, nanoseconds) };
         match waited {
             Ok(()) => {
                 let time = slot.timer.as_mut().and_then(|timer| timer.read()).unwrap_or_else(|| self.start.elapsed());
@@ -58,11 +70,21 @@ impl InFlight {
             }
             Err(code) => {
                 if code != vk::Result::ERROR_DEVICE_LOST {
-                    // The wait itself failed (out of memory) and the work may still run: nothing that it uses may be
-                    // freed, so all of it is given up for good. A lost device does no work, and its objects may go.
+                    // The wait itself failed (out of memory, or out of time) and the work may still run: nothing that
+                    // it uses may be freed, so all of it is given up for good. A lost device does no work, and its
+                    // objects may go.
                     std::mem::forget((slot, std::mem::take(&mut self.uses)));
+                    self.given_up = true;
                 }
-                Err(failed(format!("vkWaitForFences for `{}`", self.name))(code))
+                match (code, limit) {
+                    (vk::Result::TIMEOUT, Some(limit)) => Err(Error::NoDevice(format!(
+                        "{} does not answer: `{}` has not ended in {} s",
+                        device.info.summary(),
+                        self.name,
+                        limit.as_secs_f64()
+                    ))),
+                    (code, _) => Err(failed(format!("vkWaitForFences for `{}`", self.name))(code)),
+                }
             }
         }
     }

@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::{Entry, ext, khr, vk};
 
+use super::address_space;
 use super::driver_variables;
 use super::failure::failed;
 use super::messages::{MessageLog, messenger_info};
@@ -39,6 +40,7 @@ pub(super) struct Instance {
 impl Instance {
     /// Loads the loader and makes an instance, under the validation layers if `validation`.
     pub(super) fn new(validation: bool) -> Result<Arc<Instance>> {
+        address_space::check_loader()?;
         // SAFETY: loading runs the library's initialisers; the loader is the system's own and keeps to Vulkan's rules.
         let entry = unsafe { Entry::load() }.map_err(|error| {
             Error::NoDevice(format!(

@@ -183,6 +183,17 @@ impl Buffer {
         Ok(())
     }
 
+    /// Writes zeros over all of the buffer.
+    ///
+    /// # Safety
+    /// As for [`Buffer::write_from_host`].
+    pub(super) unsafe fn clear_by_host(&self) -> Result<()> {
+        let target = self.mapped()?;
+        // SAFETY: mapped and long enough as above; nobody else touches the bytes, says the caller.
+        unsafe { std::ptr::write_bytes(target.as_ptr(), 0, self.bytes as usize) };
+        Ok(())
+    }
+
     /// The buffer's bytes.
     ///
     /// # Safety

@@ -27,7 +27,7 @@ impl Readback {
         let buffer = Buffer::new(context, name, bytes, BufferUse::default(), Memory::Readback)?;
         let bytes = bytes as usize;
         // SAFETY: the buffer is new: no device work knows it, and no other thread.
-        unsafe { buffer.write_from_host(&vec![0; bytes])? };
+        unsafe { buffer.clear_by_host()? };
         Ok(Readback { buffer, bytes })
     }
 

@@ -9,10 +9,11 @@
 
 use std::collections::HashMap;
 
+use super::instructions::{HEADER_WORDS, instructions};
+use super::shader_module::ShaderModule;
 use crate::{Error, Result};
 
 // Numbers of the SPIR-V specification, version 1.3, sections 3.20 and 3.32.
-const HEADER_WORDS: usize = 5;
 const DECORATION_SPEC_ID: u32 = 1;
 const OP_CONSTANT_TRUE: u32 = 41;
 const OP_CONSTANT_FALSE: u32 = 42;
@@ -25,27 +26,25 @@ const OP_SPEC_CONSTANT_COMPOSITE: u32 = 51;
 const OP_SPEC_CONSTANT_OP: u32 = 52;
 const OP_DECORATE: u32 = 71;
 
-/// The module with `values`, `(constant id, value)`, in the place of its specialisation constants; those without a value keep their
-/// default. A value is the 32 bits of a number, or 0 and 1 for a bool; ids that the module lacks are ignored. Fails where the
-/// module is malformed or computes something from constants that this does not know.
-pub fn specialise(spirv: &[u32], values: &[(u32, u32)]) -> Result<Vec<u32>> {
+/// The module's words with `values`, `(constant id, value)`, in the place of its specialisation constants; those
+/// without a value keep their default. A value is the 32 bits of a number, or 0 and 1 for a bool; ids that the module
+/// lacks are ignored. Fails where the module computes something from constants that this does not know, such as a
+/// quotient by 0.
+pub fn specialise(module: ShaderModule, values: &[(u32, u32)]) -> Result<Vec<u32>> {
+    fold(module.words(), values)
+}
+
+fn fold(spirv: &[u32], values: &[(u32, u32)]) -> Result<Vec<u32>> {
     let bad = |what: String| Error::Internal(format!("specialising a shader: {what}"));
-    if spirv.len() < HEADER_WORDS {
-        return Err(bad("a module without a header".into()));
-    }
     let given: HashMap<u32, u32> = values.iter().copied().collect();
     // Values of results: of what stands for a specialisation constant, and of every 32-bit constant.
     let mut given_to: HashMap<u32, u32> = HashMap::new();
     let mut known: HashMap<u32, u32> = HashMap::new();
+    let all = instructions(spirv)?;
     let mut out = spirv[..HEADER_WORDS].to_vec();
-    let mut rest = &spirv[HEADER_WORDS..];
-    while let Some(&first) = rest.first() {
-        let (length, opcode) = ((first >> 16) as usize, first & 0xffff);
-        let Some((instruction, after)) = rest.split_at_checked(length).filter(|_| length > 0) else {
-            return Err(bad(format!("an instruction of {length} words with {} left", rest.len())));
-        };
-        rest = after;
-        match (opcode, &instruction[1..]) {
+    for instruction in all {
+        let opcode = instruction.opcode();
+        match (opcode, instruction.operands()) {
             (OP_DECORATE, &[target, DECORATION_SPEC_ID, id]) => {
                 given_to.extend(given.get(&id).map(|&value| (target, value)));
             }
@@ -61,7 +60,7 @@ pub fn specialise(spirv: &[u32], values: &[(u32, u32)]) -> Result<Vec<u32>> {
                 out.extend([head(OP_CONSTANT, 4), kind, result, value]);
             }
             (OP_SPEC_CONSTANT_COMPOSITE, operands) => {
-                out.push(head(OP_CONSTANT_COMPOSITE, instruction.len()));
+                out.push(head(OP_CONSTANT_COMPOSITE, instruction.words.len()));
                 out.extend(operands);
             }
             (OP_SPEC_CONSTANT_OP, &[kind, result, operation, ref operands @ ..]) => {
@@ -79,13 +78,13 @@ pub fn specialise(spirv: &[u32], values: &[(u32, u32)]) -> Result<Vec<u32>> {
             (OP_SPEC_CONSTANT..=OP_SPEC_CONSTANT_OP, _) => return Err(bad("a constant wider than 32 bits".into())),
             (OP_CONSTANT, &[_, result, value]) => {
                 known.insert(result, value);
-                out.extend(instruction);
+                out.extend(instruction.words);
             }
             (OP_CONSTANT_TRUE | OP_CONSTANT_FALSE, &[_, result]) => {
                 known.insert(result, u32::from(opcode == OP_CONSTANT_TRUE));
-                out.extend(instruction);
+                out.extend(instruction.words);
             }
-            _ => out.extend(instruction),
+            _ => out.extend(instruction.words),
         }
     }
     Ok(out)
@@ -168,8 +167,8 @@ mod tests {
             ])
         };
         let (yes, no) = (OP_CONSTANT_TRUE, OP_CONSTANT_FALSE);
-        assert_eq!(specialise(&before, &[]).unwrap(), after(3, yes, yes, 6, yes));
-        assert_eq!(specialise(&before, &[(8, 0), (7, u32::MAX), (99, 1)]).unwrap(), after(u32::MAX, no, no, 2, no));
+        assert_eq!(fold(&before, &[]).unwrap(), after(3, yes, yes, 6, yes));
+        assert_eq!(fold(&before, &[(8, 0), (7, u32::MAX), (99, 1)]).unwrap(), after(u32::MAX, no, no, 2, no));
     }
 
     #[test]
@@ -182,7 +181,7 @@ mod tests {
             ([&HEADER[..], &[3 << 16 | OP_CONSTANT, 1]].concat(), "of 3 words with 2 left"),
             ([&HEADER[..], &[OP_CONSTANT]].concat(), "of 0 words"),
         ] {
-            let error = specialise(&bad, &[]).unwrap_err().to_string();
+            let error = fold(&bad, &[]).unwrap_err().to_string();
             assert!(error.contains(text), "{error}");
         }
     }

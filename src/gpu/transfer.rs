@@ -41,6 +41,18 @@ struct Chunk {
     in_flight: Option<InFlight>,
 }
 
+impl Chunk {
+    /// Waits for the copy out of it, if there is one. Where that fails the chunk stays as it is, so that the host
+    /// never writes what the device may still read.
+    fn finish(&mut self) -> Result<()> {
+        if let Some(copy) = &mut self.in_flight {
+            copy.finish()?;
+            self.in_flight = None;
+        }
+        Ok(())
+    }
+}
+
 impl Uploader {
     /// Makes the ring: 2 chunks of 4 MiB.
     pub fn new(context: &Context) -> Result<Uploader> {
@@ -74,9 +86,7 @@ impl Uploader {
         let mut offset = dst_offset;
         for piece in bytes.chunks(self.chunk_bytes) {
             let chunk = &mut self.chunks[self.next];
-            if let Some(copy) = chunk.in_flight.take() {
-                copy.wait()?;
-            }
+            chunk.finish()?;
             // SAFETY: the copy out of this chunk has ended, and this uploader alone knows the chunk's buffer.
             unsafe { chunk.buffer.write_from_host(piece)? };
 
@@ -115,9 +125,7 @@ impl Uploader {
     /// Waits for all copies. (Dropping the uploader waits too, but cannot report an error.)
     pub fn finish(&mut self) -> Result<()> {
         for chunk in &mut self.chunks {
-            if let Some(copy) = chunk.in_flight.take() {
-                copy.wait()?;
-            }
+            chunk.finish()?;
         }
         Ok(())
     }

@@ -12,7 +12,7 @@ use super::{Observer, Renderer, StopRules, TimeRule, Tuning};
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::scene::{Filter, Scene};
-use crate::settings::{Roulette, Settings};
+use crate::settings::{MAX_BOUNCES, Roulette, Settings};
 
 /// Pixels of the small picture, about.
 const PIXELS: f64 = 64.0 * 48.0;
@@ -21,8 +21,6 @@ const SPP: u32 = 32;
 /// Bounces of the longer paths: so many times the cap, and so many more.
 const FACTOR: u32 = 8;
 const BEYOND: u32 = 64;
-/// Most bounces that settings may have.
-const MOST_BOUNCES: u32 = 65535;
 /// Share of a render's work that this may take where nobody asked for it.
 const COST_SHARE: f64 = 0.02;
 /// Paths as costly as starting a render of a scene anew is, and as each of its triangles is then, about (two cores, lavapipe).
@@ -64,10 +62,11 @@ pub fn cap_bias(
     ends: Option<Instant>,
     observer: &mut dyn Observer,
 ) -> Result<Option<CapBias>> {
+    settings.check()?;
     // Paths without an end take for ever: half of a picture says nothing, and its first samples are given up like any other.
     let time = ends.map(|ends| TimeRule { aim: ends, latest: ends });
     let rules = StopRules { time, whole_or_nothing: true, ..StopRules::default() };
-    let up_to_bounces = settings.max_bounces.saturating_mul(FACTOR).saturating_add(BEYOND).min(MOST_BOUNCES);
+    let up_to_bounces = settings.max_bounces.saturating_mul(FACTOR).saturating_add(BEYOND).min(MAX_BOUNCES);
     let small = small(settings);
     let mut luminance = |max_bounces: u32| -> Result<Option<Vec<f64>>> {
         let settings = Settings { max_bounces, ..small.clone() };

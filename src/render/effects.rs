@@ -68,24 +68,24 @@ impl Effects {
         self.iter().filter(|effect| effect.on).map(|effect| effect.name).collect()
     }
 
-    /// Whether the effect with number `effect` (an `interface::EFFECT_*`) is on.
+    /// Whether the effect with number `effect` (an `interface::EFFECT_*`) is on; a number that no effect has is not.
     pub fn is_on(&self, effect: u32) -> bool {
-        self.0[effect as usize].on
+        self.0.get(effect as usize).is_some_and(|effect| effect.on)
     }
 
     /// The same set with one effect taken out, for the control of the test that the least set suffices: the picture must
     /// change where the scene calls for it.
     pub fn without(mut self, effect: u32) -> Effects {
-        let effect = &mut self.0[effect as usize];
-        effect.on = false;
-        effect.reason = "taken out".into();
+        if let Some(effect) = self.0.get_mut(effect as usize) {
+            effect.on = false;
+            effect.reason = "taken out".into();
+        }
         self
     }
 
     /// The same set with one effect more, for the study of what an effect costs where nothing calls for it; the picture stays.
     pub fn with(mut self, effect: u32) -> Effects {
-        let effect = &mut self.0[effect as usize];
-        if !effect.on {
+        if let Some(effect) = self.0.get_mut(effect as usize).filter(|effect| !effect.on) {
             effect.on = true;
             effect.reason = "put in".into();
         }
@@ -104,7 +104,12 @@ impl fmt::Display for Effects {
 
 fn triangles_by_material(scene: &Scene) -> Vec<usize> {
     let mut counts = vec![0; scene.materials.len()];
-    scene.triangles.iter().for_each(|triangle| counts[triangle.material as usize] += 1);
+    for triangle in &scene.triangles {
+        // A material that is not there is refused when the scene is packed.
+        if let Some(count) = counts.get_mut(triangle.material as usize) {
+            *count += 1;
+        }
+    }
     counts
 }
 

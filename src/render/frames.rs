@@ -79,6 +79,7 @@ impl Renderer {
 
     /// Renders until the samples are done, a rule is met or the observer stops it, after the first whole run at the earliest.
     pub fn render(mut self, observer: &mut dyn Observer) -> Result<Rendered> {
+        self.rules.check()?;
         let start = Instant::now();
         let spp = self.settings.spp;
         let mut done = 0;
@@ -172,7 +173,7 @@ impl Renderer {
     /// Pixels of the next slice of a pass. The counts of its dispatch fit their 32 bits.
     fn slice_pixels(&self, pass: &Pass, tile: Tile) -> u32 {
         let by_clock = if pass.is_listed() { self.pace.listed } else { self.pace.rows.saturating_mul(tile.width) };
-        self.slice_pixels.unwrap_or(by_clock).min(u32::MAX / self.pace.budget)
+        self.slice_pixels.unwrap_or(by_clock).min(u32::MAX / self.pace.budget.max(1))
     }
 
     /// Records and submits one dispatch, its counters cleared before and copied after.

@@ -1,11 +1,11 @@
-//! The path-tracing kernel: its bindings, its specialisation for a scene, its push constants.
+//! The path-tracing kernel: its specialisation for a scene, its push constants.
 
 use std::sync::Arc;
 
 use crate::bvh::{Accel, TreeStats};
 use crate::error::Result;
 use crate::film::{block_in_replicate, replicate_of_block};
-use crate::gpu::{BindingKind, BindingSlot, ComputePipeline, Context, DeviceKind, PipelineDesc, shaders};
+use crate::gpu::{ComputePipeline, Context, DeviceKind, PipelineDesc, ShaderModule, shaders};
 use crate::interface::*;
 use crate::render::Tuning;
 use crate::render::effects::Effects;
@@ -29,14 +29,6 @@ pub fn leave_eighths(device: DeviceKind) -> u32 {
 /// What the path tracer writes: all of it storage buffers.
 pub const WRITTEN_BINDINGS: [u32; 4] = [BINDING_PATHS_WRITTEN, BINDING_LISTS, BINDING_SUMS, BINDING_COUNTERS];
 
-/// Every binding of the path tracer's descriptor set.
-pub fn bindings() -> Vec<BindingSlot> {
-    let texel = (0..RECORD_BINDINGS).chain([BINDING_PATHS]);
-    let storage = (STORAGE_TWIN..STORAGE_TWIN + RECORD_BINDINGS).chain(WRITTEN_BINDINGS);
-    let texel = texel.map(|number| BindingSlot { number, kind: BindingKind::Texel });
-    texel.chain(storage.map(|number| BindingSlot { number, kind: BindingKind::Storage })).collect()
-}
-
 /// Where lanes refill by default; measured in docs/performance.md.
 const REFILL_EIGHTHS: u32 = 6;
 
@@ -53,7 +45,7 @@ fn tests_a_visit(tree: &TreeStats) -> u32 {
 }
 
 /// The module for a device: with ballots and NaN kept where it offers them.
-fn module(context: &Context, tuning: &Tuning) -> &'static [u32] {
+fn module(context: &Context, tuning: &Tuning) -> ShaderModule {
     let info = context.device_info();
     let keep_nan = info.shader_signed_zero_inf_nan_preserve_float32 && !tuning.nan_by_driver;
     match (info.subgroup_ballot, keep_nan) {
@@ -82,7 +74,7 @@ pub fn padded_stack_entries(accel: &Accel) -> u32 {
 #[derive(Clone, Debug)]
 pub struct Specialized {
     /// The module.
-    pub spirv: &'static [u32],
+    pub module: ShaderModule,
     /// `(id, value)` of each constant.
     pub constants: Vec<(u32, u32)>,
 }
@@ -115,20 +107,14 @@ pub fn specialized(
         (SPEC_WITHOUT_GUARD, tuning.without_guard.map_or(GUARD_NONE, Guard::number)),
     ];
     constants.extend((0..EFFECTS).map(|effect| (SPEC_EFFECTS + effect, u32::from(effects.is_on(effect)))));
-    Specialized { spirv: module(context, tuning), constants }
+    Specialized { module: module(context, tuning), constants }
 }
 
 /// Makes the pipeline of a [`specialized`] module.
 pub fn path_tracer(context: &Context, kernel: &Specialized) -> Result<Arc<ComputePipeline>> {
     ComputePipeline::shared(
         context,
-        &PipelineDesc {
-            name: "path tracer",
-            spirv: kernel.spirv,
-            bindings: &bindings(),
-            push_constant_bytes: PUSH_CONSTANT_BYTES,
-            specialization: &kernel.constants,
-        },
+        &PipelineDesc { name: "path tracer", module: kernel.module, specialization: &kernel.constants },
     )
 }
 

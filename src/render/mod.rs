@@ -16,6 +16,7 @@ pub mod report;
 mod setup;
 pub mod stop;
 pub mod tiles;
+mod tuning;
 pub mod upload;
 
 pub use bounce_cap::CapBias;
@@ -24,6 +25,7 @@ pub use frames::Renderer;
 pub use guard::Guard;
 pub use report::{Bytes, ErrorReport, Observer, Progress, RenderReport, StageSeconds, StopReason};
 pub use stop::{Forecast, StopRules, Target, TimeRule};
+pub use tuning::{MOST_TILES, Tuning};
 
 pub use crate::settings::{
     AccelKind, Buffers, Hemisphere, Intersector, LightPick, Lights, Roulette, Sampler, Settings,
@@ -45,36 +47,6 @@ pub struct Rendered {
     pub ledger: Ledger,
     /// The effects that were on, and why.
     pub effects: Effects,
-}
-
-/// Sizes that no picture depends on: they trade memory, speed and responsiveness. Tests pin them.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tuning {
-    /// Tile size in pixels; otherwise the largest that fits.
-    pub tile: Option<[u32; 2]>,
-    /// Step budget of an invocation in a dispatch, 64 to 8191, less on a CPU whose vectors have more than 8 lanes; otherwise by the
-    /// clock.
-    pub budget: Option<u32>,
-    /// Samples of a run, 1 to 16; otherwise by the clock.
-    pub run_samples: Option<u32>,
-    /// Lanes refill when fewer than this many eighths of them still trace, 0 to 8.
-    pub refill_eighths: Option<u32>,
-    /// Pixels of a submit (render/pass.rs rounds them); otherwise by the clock.
-    pub slice_pixels: Option<u32>,
-    /// Paths are left for the next pass when fewer than this many eighths of the lanes have samples left, 0 to 8.
-    pub leave_eighths: Option<u32>,
-    /// Triangles tested between two node visits, 1 or 2, or 0 for all of them; otherwise by the tree.
-    pub tests_a_visit: Option<u32>,
-    /// How path states are read, where they fit; otherwise as the settings say.
-    pub path_buffers: Option<Buffers>,
-    /// An effect (`interface::EFFECT_*`) to leave out though the scene calls for it: the control of the effects test.
-    pub without_effect: Option<u32>,
-    /// An effect to have though nothing calls for it: what its code alone costs.
-    pub with_effect: Option<u32>,
-    /// The module that leaves NaN to the driver, though the device can be asked to keep it.
-    pub nan_by_driver: bool,
-    /// A guard to leave out, to show what it is for. Unlike the sizes above, it changes pictures.
-    pub without_guard: Option<Guard>,
 }
 
 /// Renders `scene` as `settings` ask, telling `observer` how it goes.

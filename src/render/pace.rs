@@ -34,6 +34,7 @@ impl Pace {
             (Some(lanes), Some(fixed)) => fixed.min(a_lane(MAX_STEP_BUDGET, lanes)),
             (None, fixed) => fixed.unwrap_or(MIN_STEP_BUDGET),
         };
+        let budget = budget.max(1);
         Pace {
             rows: if is_cpu { 16 } else { 32 },
             listed: if is_cpu { 1 << 13 } else { 1 << 16 },
@@ -47,8 +48,9 @@ impl Pace {
     /// Prepares for a run of `samples` samples: where a submit does all of its rows' samples, fewer rows take as long.
     pub fn begin_run(&mut self, samples: u32) {
         if !self.adapts_budget {
-            let scaled =
-                |size: u32| (u64::from(size) * u64::from(self.samples) / u64::from(samples)).clamp(1, 1 << 30) as u32;
+            let scaled = |size: u32| {
+                (u64::from(size) * u64::from(self.samples) / u64::from(samples.max(1))).clamp(1, 1 << 30) as u32
+            };
             (self.rows, self.listed) = (scaled(self.rows), scaled(self.listed));
         }
         self.samples = samples;
@@ -74,7 +76,7 @@ impl Pace {
             }
         } else if ratio < 0.6 {
             match self.adapts_budget && self.rows >= height {
-                true => self.budget = (self.budget * 2).min(MAX_STEP_BUDGET),
+                true => self.budget = self.budget.saturating_mul(2).min(MAX_STEP_BUDGET),
                 false => self.rows = self.rows.saturating_mul(2),
             }
         }
@@ -114,11 +116,11 @@ impl RunLength {
     }
 
     /// Samples of the run that begins at sample `first`, of `spp`: what is left of the block, in equal parts where it takes
-    /// more than one run.
+    /// more than one run; none where `first` is past the last sample.
     pub fn next(&self, first: u32, spp: u32) -> u32 {
-        let left = (BLOCK_SAMPLES - first % BLOCK_SAMPLES).min(spp - first);
+        let left = (BLOCK_SAMPLES - first % BLOCK_SAMPLES).min(spp.saturating_sub(first));
         let runs = if self.fixed { 1 } else { left.div_ceil(self.limit) };
-        left.div_ceil(runs).min(self.limit)
+        left.div_ceil(runs.max(1)).min(self.limit)
     }
 
     /// Takes note that a run of `samples` took `elapsed`.

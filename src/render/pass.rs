@@ -77,7 +77,7 @@ impl Pass {
         let wanted = if self.is_listed {
             (pixels / GROUP_ROW_PIXELS * GROUP_ROW_PIXELS).max(GROUP_ROW_PIXELS)
         } else {
-            let rows = pixels / self.width;
+            let rows = pixels / self.width.max(1);
             if rows < WORKGROUP[1] { rows.max(1) } else { rows / WORKGROUP[1] * WORKGROUP[1] }
         };
         let count = wanted.min(self.total - first);
@@ -92,12 +92,12 @@ impl Pass {
 
     /// When the slices leave paths unfinished (`Dispatch::leave_eighths`): where `eighths` says, or never if they are few.
     pub fn leave_eighths(&self, eighths: u32) -> u32 {
-        if self.total * self.width < FEW_PIXELS { 0 } else { eighths }
+        if u64::from(self.total) * u64::from(self.width) < FEW_PIXELS.into() { 0 } else { eighths }
     }
 
     /// Takes note that the last slice has left `unfinished` pixels.
     pub fn note(&mut self, unfinished: u32) {
-        self.fills.at += unfinished;
+        self.fills.at = self.fills.at.saturating_add(unfinished);
     }
 
     /// Whether every slice was handed out and left nothing.

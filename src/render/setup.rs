@@ -30,14 +30,19 @@ use crate::texels::random::splitmix64;
 impl Renderer {
     /// Builds the tree, packs and copies the records, and makes the pipeline.
     pub fn new(context: &Context, scene: &Scene, settings: &Settings, tuning: &Tuning) -> Result<Renderer> {
+        settings.check()?;
+        let [_, _, width, height] = settings.region();
+        tuning.check([width, height])?;
         if !settings.allow_black {
             scene.check_emits()?;
         }
         let mut seconds = StageSeconds::default();
         let mut ledger = Ledger::default();
-        let [_, _, width, height] = settings.region();
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let replicates = settings.replicates.unwrap_or_else(|| Film::replicates(pixels));
+        let region_pixels = width as usize * height as usize;
+        let sums_of_run = || filled("memory for the sums of a run", [0; 4], region_pixels);
+        let (run_sums, open_sums) = (sums_of_run()?, sums_of_run()?);
         let film = Film::new(width, height, replicates, scene.scaling.radiance_exponent)?;
 
         let start = Instant::now();
@@ -90,7 +95,6 @@ impl Renderer {
         resources.push((BINDING_COUNTERS, Resource::Storage(counters.clone())));
         let bind_group = BindGroup::new(&pipeline, &resources)?;
         let readback = |name| Readback::new(context, name, tile_pixels * SUM_BYTES);
-        let region_pixels = width as usize * height as usize;
         Ok(Renderer {
             constants: constants(scene, settings, &data, replicates),
             report: empty_report(&effects, seconds, read_as, tree),
@@ -99,7 +103,7 @@ impl Renderer {
             effects,
             pipeline,
             bind_group,
-            tiles: tiles::tiles(settings.region(), tile_size),
+            tiles: tiles::tiles(settings.region(), tile_size)?,
             readbacks: [readback("sums readback 0")?, readback("sums readback 1")?],
             counter_readback: Readback::new(context, "counters readback", COUNTER_BYTES)?,
             sums,
@@ -109,8 +113,8 @@ impl Renderer {
             slice_pixels: tuning.slice_pixels,
             run_length: RunLength::new(tuning.run_samples),
             film,
-            run_sums: filled("memory for the sums of a run", [0; 4], region_pixels)?,
-            open_sums: filled("memory for the sums of a run", [0; 4], region_pixels)?,
+            run_sums,
+            open_sums,
             run_counts: [0; COUNTERS as usize],
             ledger,
             estimate: EstimateClock::default(),

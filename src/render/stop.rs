@@ -11,6 +11,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use crate::error::{Error, Result};
 use crate::film::PictureError;
 use crate::interface::BLOCK_SAMPLES;
 
@@ -31,6 +32,22 @@ pub struct StopRules {
     pub time: Option<TimeRule>,
     /// A picture that has not all its samples is of no use: even the first may be given up.
     pub whole_or_nothing: bool,
+}
+
+impl StopRules {
+    /// Refuses what is out of the range that its field states.
+    pub fn check(&self) -> Result<()> {
+        let Some(Target { error, confidence }) = self.target else { return Ok(()) };
+        if error <= 0.0 || error.is_nan() {
+            return Err(Error::Usage(format!("target error {error} is out of range: more than 0 is allowed")));
+        }
+        match (0.5..1.0).contains(&confidence) {
+            true => Ok(()),
+            false => {
+                Err(Error::Usage(format!("confidence {confidence} is out of range: 0.5 to less than 1 is allowed")))
+            }
+        }
+    }
 }
 
 /// An error to reach.
@@ -154,6 +171,22 @@ mod tests {
         }
         assert_eq!(at, [2, 3, 4, 5, 7, 9, 12, 15, 19, 24, 30, 38, 48, 60]);
         assert_eq!(looks.taken(), 14);
+    }
+
+    #[test]
+    fn targets_out_of_range_are_refused() {
+        let checked = |error, confidence| {
+            StopRules { target: Some(Target { error, confidence }), ..StopRules::default() }
+                .check()
+                .map_err(|error| error.to_string())
+        };
+        assert!(StopRules::default().check().is_ok() && checked(1e-9, 0.5).is_ok());
+        for error in [0.0, -1.0, f64::NAN] {
+            assert!(checked(error, 0.95).unwrap_err().contains("more than 0"));
+        }
+        for confidence in [0.4999, 1.0, f64::NAN, f64::INFINITY] {
+            assert!(checked(0.1, confidence).unwrap_err().contains("0.5 to less than 1"));
+        }
     }
 
     #[test]

@@ -29,7 +29,7 @@ impl Tile {
 
 /// Bytes of a pixel's path state with a traversal stack of `stack_entries`.
 pub fn path_bytes(stack_entries: u32) -> u64 {
-    16 * u64::from(PATH_TEXELS + stack_entries.div_ceil(STACK_ENTRIES_A_TEXEL))
+    16 * (u64::from(PATH_TEXELS) + u64::from(stack_entries.div_ceil(STACK_ENTRIES_A_TEXEL)))
 }
 
 /// Bytes of a pixel's places in the lists of pixels.
@@ -47,6 +47,9 @@ pub fn largest_tile(
     buffer_bytes: u64,
     memory_bytes: u64,
 ) -> Result<[u32; 2]> {
+    if width == 0 || height == 0 {
+        return Err(Error::Internal(format!("a tile of a region of {width}x{height} pixels")));
+    }
     let path = path_bytes(stack_entries);
     let all = path + LIST_BYTES + SUM_BYTES;
     let pixels = (buffer_bytes / path).min(memory_bytes / all);
@@ -65,9 +68,12 @@ pub fn largest_tile(
     Ok([width, height.div_ceil(height.div_ceil(rows))])
 }
 
-/// The tiles of `region` (`[x, y, width, height]`), row by row, none larger than `size`.
-pub fn tiles(region: [u32; 4], size: [u32; 2]) -> Vec<Tile> {
+/// The tiles of `region` (`[x, y, width, height]`), row by row, none larger than `size`, which is not empty.
+pub fn tiles(region: [u32; 4], size: [u32; 2]) -> Result<Vec<Tile>> {
     let [x, y, width, height] = region;
+    if size.contains(&0) || x.checked_add(width).is_none() || y.checked_add(height).is_none() {
+        return Err(Error::Internal(format!("tiles of {size:?} pixels in {region:?}")));
+    }
     let mut tiles = Vec::new();
     for top in (0..height).step_by(size[1] as usize) {
         for left in (0..width).step_by(size[0] as usize) {
@@ -79,7 +85,7 @@ pub fn tiles(region: [u32; 4], size: [u32; 2]) -> Vec<Tile> {
             });
         }
     }
-    tiles
+    Ok(tiles)
 }
 
 #[cfg(test)]
@@ -91,7 +97,7 @@ mod tests {
         let region = [3, 5, 17, 11];
         for size in [[17, 11], [4, 3], [17, 2], [1, 1], [5, 11]] {
             let mut seen = vec![0; 17 * 11];
-            for tile in tiles(region, size) {
+            for tile in tiles(region, size).unwrap() {
                 for y in tile.y..tile.y + tile.height {
                     for x in tile.x..tile.x + tile.width {
                         seen[((y - 5) * 17 + (x - 3)) as usize] += 1;
@@ -100,6 +106,22 @@ mod tests {
             }
             assert!(seen.iter().all(|&count| count == 1), "{size:?}");
         }
+    }
+
+    #[test]
+    fn what_cannot_be_cut_is_refused() {
+        for (region, size) in [
+            ([0, 0, 4, 4], [0, 1]),
+            ([0, 0, 4, 4], [1, 0]),
+            ([u32::MAX, 0, 1, 1], [1, 1]),
+            ([0, 1, 1, u32::MAX], [1, 1]),
+        ] {
+            assert!(tiles(region, size).is_err(), "{region:?} {size:?}");
+        }
+        for [width, height] in [[0, 1], [1, 0]] {
+            assert!(largest_tile(width, height, 4, u64::MAX, u64::MAX).is_err(), "{width} {height}");
+        }
+        assert_eq!(largest_tile(1, 1, u32::MAX, u64::MAX, u64::MAX).unwrap(), [1, 1]);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::probe::Probe;
 use super::scenes::{SceneBuilder, camera};
 use crate::Result;
 use crate::bvh::Accel;
-use crate::gpu::shaders;
+use crate::gpu::{ShaderModule, shaders};
 use crate::interface::{SAMPLER_INDEPENDENT, SAMPLER_SOBOL, SAMPLER_TABLE, SPEC_SAMPLER};
 use crate::scene::{Filter, Scene};
 use crate::settings::{Buffers, LightPick, Sampler, Settings};
@@ -24,7 +24,7 @@ pub fn nothing() -> Scene {
 }
 
 /// The kernel of the float functions, in the mode of `bench`'s renders: with NaN kept where the device offers that.
-pub fn float_probe(bench: &Bench) -> &'static [u32] {
+pub fn float_probe(bench: &Bench) -> ShaderModule {
     if bench.context().device_info().shader_signed_zero_inf_nan_preserve_float32 {
         shaders::PROBE_FLOATS_KEEP_NAN
     } else {
@@ -32,10 +32,10 @@ pub fn float_probe(bench: &Bench) -> &'static [u32] {
     }
 }
 
-/// A call of many: function `function` of the kernel `spirv`.
+/// A call of many: function `function` of the kernel `module`.
 pub struct Calls<'a> {
     /// The kernel.
-    pub spirv: &'a [u32],
+    pub module: ShaderModule,
     /// Number of the function.
     pub function: u32,
     /// The scene whose records are bound; none: one of nothing.
@@ -60,9 +60,9 @@ pub struct Calls<'a> {
 
 impl<'a> Calls<'a> {
     /// One call a texel of input, one texel of answer, independent samples.
-    pub fn new(spirv: &'a [u32], function: u32, input: &'a [Texel]) -> Calls<'a> {
+    pub fn new(module: ShaderModule, function: u32, input: &'a [Texel]) -> Calls<'a> {
         Calls {
-            spirv,
+            module,
             function,
             scene: None,
             sampler: Sampler::Independent,
@@ -91,7 +91,7 @@ impl<'a> Calls<'a> {
             Sampler::Table => SAMPLER_TABLE,
         };
         let probe = Probe {
-            spirv: self.spirv,
+            module: self.module,
             data: &data,
             accel: &accel,
             buffers: Buffers::Texel,

@@ -3,8 +3,8 @@
 use crate::Result;
 use crate::bvh::Accel;
 use crate::gpu::{
-    Barrier, BindGroup, BindingKind, BindingSlot, Buffer, BufferUse, ComputePipeline, Context, Ledger, Memory,
-    PipelineDesc, Readback, Recorder, Resource, Uploader,
+    Barrier, BindGroup, Buffer, BufferUse, ComputePipeline, Context, Ledger, Memory, PipelineDesc, Readback, Recorder,
+    Resource, ShaderModule, Uploader,
 };
 use crate::interface::*;
 use crate::render::guard::Guard;
@@ -18,8 +18,8 @@ use crate::texels::{Texel, TexelData};
 
 /// A probe: which kernel, on what, with what answers.
 pub struct Probe<'a> {
-    /// The kernel's SPIR-V.
-    pub spirv: &'a [u32],
+    /// The kernel.
+    pub module: ShaderModule,
     /// Records to bind.
     pub data: &'a TexelData,
     /// The tree that the records hold.
@@ -70,18 +70,9 @@ impl Probe<'_> {
         ];
         specialization.retain(|(id, _)| self.specialization.iter().all(|(given, _)| given != id));
         specialization.extend_from_slice(&self.specialization);
-        let mut bindings = kernel::bindings();
-        bindings.push(BindingSlot { number: BINDING_PROBE_INPUT, kind: BindingKind::Storage });
-        bindings.push(BindingSlot { number: BINDING_PROBE_OUTPUT, kind: BindingKind::Storage });
         let pipeline = ComputePipeline::shared(
             context,
-            &PipelineDesc {
-                name: "probe",
-                spirv: self.spirv,
-                bindings: &bindings,
-                push_constant_bytes: PUSH_CONSTANT_BYTES,
-                specialization: &specialization,
-            },
+            &PipelineDesc { name: "probe", module: self.module, specialization: &specialization },
         )?;
         let bytes = 16 * u64::from(self.calls) * u64::from(self.output_texels);
         let storage = |name: &str, bytes| {
@@ -100,6 +91,8 @@ impl Probe<'_> {
         resources.extend(kernel::WRITTEN_BINDINGS.map(|number| (number, Resource::Storage(scratch.clone()))));
         resources.push((BINDING_PROBE_INPUT, Resource::Storage(input)));
         resources.push((BINDING_PROBE_OUTPUT, Resource::Storage(output.clone())));
+        // A kernel uses a part of them.
+        resources.retain(|(number, _)| pipeline.bindings().iter().any(|slot| slot.number == *number));
         let group = BindGroup::new(&pipeline, &resources)?;
 
         let constants = Constants {

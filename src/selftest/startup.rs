@@ -4,12 +4,13 @@
 //! one cannot be used: its pictures would be wrong without a word.
 
 use std::collections::BTreeSet;
+use std::time::Duration;
 
 use super::Finding;
 use super::random::Random;
 use crate::gpu::{
-    Barrier, BindGroup, BindingKind, BindingSlot, Buffer, BufferUse, ComputePipeline, Context, Ledger, Memory,
-    PipelineDesc, Readback, Recorder, Resource, Uploader, shaders,
+    Barrier, BindGroup, Buffer, BufferUse, ComputePipeline, Context, Ledger, Memory, PipelineDesc, Readback, Recorder,
+    Resource, Uploader, shaders,
 };
 use crate::interface::{
     BINDING_PROBE_INPUT, BINDING_PROBE_OUTPUT, BUDGET_LANES, MAX_STEP_BUDGET, PUSH_CONSTANT_BYTES, PUSH_CONSTANTS,
@@ -22,6 +23,9 @@ pub const NAN: &str = "nan";
 /// What the finding about loops looks at.
 pub const LOOPS: &str = "loops";
 
+/// How long the device may take to answer. The kernel is small: lavapipe takes a fraction of a second, nearly all of
+/// it to compile. A driver that has lost one of its threads never answers.
+const ANSWER_LIMIT: Duration = Duration::from_secs(60);
 /// Invocations: one workgroup.
 const CALLS: usize = 64;
 /// Iterations that the probe's loop asks for.
@@ -31,7 +35,7 @@ const NEEDED_ITERATIONS: u32 = BUDGET_LANES * MAX_STEP_BUDGET;
 /// NaN questions of the kernel, by bit.
 const NAN_QUESTIONS: [&str; 5] = ["0 * inf", "inf - inf", "0 / 0", "inf / inf", "sqrt(-1)"];
 
-/// Asks the device.
+/// Asks the device, which has a minute to answer.
 pub fn probe(context: &Context) -> Result<Vec<Finding>> {
     let mut random = Random::new(1, 7);
     let mut questions = Vec::with_capacity(CALLS);
@@ -43,7 +47,11 @@ pub fn probe(context: &Context) -> Result<Vec<Finding>> {
         let angle = (2.0 * random.next() - 1.0) * std::f64::consts::PI;
         questions.push([a, b, c, angle as f32]);
     }
-    let answers = ask(context, &questions)?;
+    context.limit_waits(Some(ANSWER_LIMIT));
+    let answers = ask(context, &questions);
+    // No bound on a render's dispatches: some drivers compile for minutes in the first.
+    context.limit_waits(None);
+    let answers = answers?;
     let answers: Vec<[Texel; 3]> = answers.as_chunks::<3>().0.to_vec();
     Ok(vec![
         nan(&answers),
@@ -164,12 +172,7 @@ fn ask(context: &Context, questions: &[[f32; 4]]) -> Result<Vec<Texel>> {
         context,
         &PipelineDesc {
             name: "start-up probe",
-            spirv: if keep_nan { shaders::PROBE_STARTUP_KEEP_NAN } else { shaders::PROBE_STARTUP },
-            bindings: &[
-                BindingSlot { number: BINDING_PROBE_INPUT, kind: BindingKind::Storage },
-                BindingSlot { number: BINDING_PROBE_OUTPUT, kind: BindingKind::Storage },
-            ],
-            push_constant_bytes: PUSH_CONSTANT_BYTES,
+            module: if keep_nan { shaders::PROBE_STARTUP_KEEP_NAN } else { shaders::PROBE_STARTUP },
             specialization: &[],
         },
     )?;

@@ -5,7 +5,7 @@
 use super::Bench;
 use super::calls::Calls;
 use crate::Result;
-use crate::gpu::shaders;
+use crate::gpu::{ShaderModule, shaders};
 use crate::texels::Texel;
 
 /// Number of streams.
@@ -47,9 +47,9 @@ pub fn sum(stream: u32, count: u32) -> f64 {
     (0..count).map(|index| f64::from(number(stream, index))).sum()
 }
 
-/// The streams' sums with compensation by the kernel `spirv`, `dispatches` times [`STEPS`] numbers each.
-pub fn compensated(bench: &Bench, spirv: &[u32], dispatches: u32) -> Result<Vec<f32>> {
-    let calls = Calls { calls: COUNT, dispatches, ..Calls::new(spirv, 0, &[]) };
+/// The streams' sums with compensation by the kernel `module`, `dispatches` times [`STEPS`] numbers each.
+pub fn compensated(bench: &Bench, module: ShaderModule, dispatches: u32) -> Result<Vec<f32>> {
+    let calls = Calls { calls: COUNT, dispatches, ..Calls::new(module, 0, &[]) };
     Ok(calls.run(bench)?.into_iter().map(|state| f32::from_bits(state[0])).collect())
 }
 

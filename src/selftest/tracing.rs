@@ -127,7 +127,7 @@ impl Mesh {
                 })
                 .collect();
             let answers = bench.probe(Probe {
-                spirv: shaders::PROBE_ORIGINS,
+                module: shaders::PROBE_ORIGINS,
                 data: &self.data,
                 accel: &self.accel,
                 buffers: Buffers::Texel,
@@ -169,7 +169,7 @@ impl Mesh {
             specialization.push((SPEC_STACK_ENTRIES, 2));
         }
         let answers = bench.probe(Probe {
-            spirv: if bench.has(Guard::UnfusedEdges) { shaders::PROBE_TRACE } else { shaders::PROBE_TRACE_FUSED },
+            module: if bench.has(Guard::UnfusedEdges) { shaders::PROBE_TRACE } else { shaders::PROBE_TRACE_FUSED },
             data: &self.data,
             accel: &self.accel,
             buffers: Buffers::Texel,

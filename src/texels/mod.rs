@@ -16,7 +16,7 @@ pub mod wide_node;
 use crate::bvh::Accel;
 use crate::error::{Error, Result};
 use crate::interface::NO_INDEX;
-use crate::scene::{Filter, Scene};
+use crate::scene::{Filter, Scene, Triangle};
 use crate::settings::{LightPick, Sampler, Settings};
 
 /// One texel: four 32-bit lanes; floats travel as their bits.
@@ -54,6 +54,25 @@ pub struct TexelData {
     pub light_count: u32,
 }
 
+/// Refuses triangles of a material or of corners that the scene lacks: a scene that was loaded has none, one made by
+/// hand may.
+fn check_indices(scene: &Scene) -> Result<()> {
+    let lacks = |triangle: &&Triangle| {
+        let smooth = triangle.corners != NO_INDEX && triangle.corners as usize >= scene.corners.len();
+        triangle.material as usize >= scene.materials.len() || smooth
+    };
+    match scene.triangles.iter().find(lacks) {
+        None => Ok(()),
+        Some(triangle) => Err(Error::Internal(format!(
+            "a triangle has material {} of {} and corners {} of {}",
+            triangle.material,
+            scene.materials.len(),
+            triangle.corners,
+            scene.corners.len()
+        ))),
+    }
+}
+
 impl TexelData {
     /// Packs the scene.
     pub fn pack(scene: &Scene, accel: &Accel, settings: &Settings) -> Result<TexelData> {
@@ -65,6 +84,7 @@ impl TexelData {
                 have: MAX_TRIANGLES.to_string(),
             });
         }
+        check_indices(scene)?;
         let mut data = TexelData::geometry(scene, accel, &order, settings.effective_light_pick())?;
         data.camera = camera::camera_texels(&scene.camera, settings.width, settings.height, settings.filter).to_vec();
         if settings.filter != Filter::Box {

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::Result;
 use crate::bvh::{Accel, Ray};
-use crate::gpu::shaders;
+use crate::gpu::{ShaderModule, shaders};
 use crate::interface::NO_INDEX;
 use crate::render::Guard;
 use crate::scene::normalise::has_area;
@@ -163,11 +163,11 @@ fn cracks(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Operations of a module that may not be contracted.
-fn uncontracted(spirv: &[u32]) -> usize {
+fn uncontracted(module: ShaderModule) -> usize {
     const OP_DECORATE: u32 = 71;
     const NO_CONTRACTION: u32 = 42;
     let mut count = 0;
-    let mut rest = spirv.get(5..).unwrap_or_default();
+    let mut rest = module.words().get(5..).unwrap_or_default();
     while let Some(&first) = rest.first() {
         let words = (first >> 16).max(1) as usize;
         count += usize::from(first & 0xffff == OP_DECORATE && rest.get(2) == Some(&NO_CONTRACTION));
@@ -185,12 +185,12 @@ fn fused_edges(bench: &Bench) -> Result<Vec<Finding>> {
         findings.push(leaks(format!("rays that leave a closed mesh, {name}"), &mesh.trace(bench, &rays)?));
     }
     // A multiplication and a subtraction of each of three edge functions are among them.
-    for (name, spirv) in [
+    for (name, module) in [
         ("path tracer", shaders::PATH_TRACE),
         ("path tracer that keeps NaN", shaders::PATH_TRACE_KEEP_NAN),
         ("probe", shaders::PROBE_TRACE),
     ] {
-        let count = uncontracted(spirv);
+        let count = uncontracted(module);
         let expected = "100 or more".to_owned();
         findings.push(Finding::holds(
             format!("operations of the {name} that no driver may fuse"),

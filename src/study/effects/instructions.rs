@@ -21,7 +21,7 @@ pub fn count(kernel: &Specialized) -> Result<Option<usize>> {
     let failed = |error: std::io::Error| Error::Internal(format!("spirv-opt cannot be given a module: {error}"));
     let folder = tempfile::tempdir().map_err(failed)?;
     let (plain, frozen) = (folder.path().join("plain.spv"), folder.path().join("frozen.spv"));
-    fs::write(&plain, bytemuck::cast_slice(kernel.spirv)).map_err(failed)?;
+    fs::write(&plain, bytemuck::cast_slice(kernel.module.words())).map_err(failed)?;
     let values: Vec<String> = kernel.constants.iter().map(|(id, value)| format!("{id}:{value}")).collect();
     let mut command = Command::new("spirv-opt");
     command.arg(format!("--set-spec-const-default-value={}", values.join(" ")));
