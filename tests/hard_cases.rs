@@ -1,6 +1,6 @@
-//! Every hard case of the catalogue, as `texray selftest --full` runs them, under validation.
+//! Every hard case of the catalogue under validation: as `texray selftest` runs them, and, ignored, as `texray selftest --full` does.
 //!
-//! One test a group, so that a failure names its subject; what was measured is printed (`-- --nocapture`, or on failure).
+//! Each group is a test, so that a failure names its subject; what was measured is printed (`-- --nocapture`, or on failure).
 //! Statistical findings share a false-alarm rate of 1e-6; seeds are fixed.
 
 mod harness;
@@ -9,9 +9,9 @@ use harness::device::{assert_valid, context};
 use texray::selftest::{Bench, GROUPS, Outcome, Tier, form_factors, run_case};
 
 /// Runs a group and fails with all that went wrong in it.
-fn group(letter: char) {
+fn group(letter: char, tier: Tier) {
     let group = GROUPS.iter().find(|group| group.letter == letter).expect("the catalogue has this group");
-    let bench = Bench::new(context(), Tier::Full);
+    let bench = Bench::new(context(), tier);
     let mut wrong = Vec::new();
     for case in group.cases {
         let report = run_case(&bench, case);
@@ -39,44 +39,46 @@ fn group(letter: char) {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-#[test]
-fn a_floats_and_shader_language() {
-    group('A');
+/// Two tests for each group: the fast tier, and the full one, which takes ten times the samples.
+macro_rules! groups {
+    ($($letter:literal $name:ident,)*) => {
+        $(
+            #[test]
+            fn $name() {
+                group($letter, Tier::Fast);
+            }
+        )*
+
+        /// All groups in full.
+        mod full {
+            use super::{Tier, group};
+
+            $(
+                #[test]
+                #[ignore = "the full tier of all groups takes some five minutes"]
+                fn $name() {
+                    group($letter, Tier::Full);
+                }
+            )*
+        }
+
+        #[test]
+        fn every_group_is_run() {
+            let letters: Vec<char> = GROUPS.iter().map(|group| group.letter).collect();
+            assert_eq!(letters, [$($letter),*]);
+        }
+    };
 }
 
-#[test]
-fn b_triangles() {
-    group('B');
-}
-
-#[test]
-fn c_the_tree() {
-    group('C');
-}
-
-#[test]
-fn d_ray_origins() {
-    group('D');
-}
-
-#[test]
-fn e_light_sampling() {
-    group('E');
-}
-
-#[test]
-fn f_scattering() {
-    group('F');
-}
-
-#[test]
-fn g_sums_and_random_numbers() {
-    group('G');
-}
-
-#[test]
-fn h_whole_scenes() {
-    group('H');
+groups! {
+    'A' a_floats_and_shader_language,
+    'B' b_triangles,
+    'C' c_the_tree,
+    'D' d_ray_origins,
+    'E' e_light_sampling,
+    'F' f_scattering,
+    'G' g_sums_and_random_numbers,
+    'H' h_whole_scenes,
 }
 
 /// Cases 38 and 40 to 42 once more, with the form factors known to a ten-thousandth.
