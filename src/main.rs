@@ -40,10 +40,7 @@ fn main() -> ExitCode {
             limits.iter().for_each(|limit| say(&format!("error: {limit}")));
             LIMIT_EXCEEDED
         }
-        Ok(Ok(Outcome::NotWritten(failures))) => {
-            failures.iter().for_each(|failure| say(&format!("error: {failure}")));
-            NOT_WRITTEN
-        }
+        Ok(Ok(Outcome::NotWritten)) => NOT_WRITTEN,
         Ok(Ok(Outcome::Signal(signal))) => SIGNAL.saturating_add(signal),
         Ok(Err(Failure::Arguments(error))) => {
             // Help and version come this way too, with the code 0 and on stdout. Nothing can be told to a closed stream.

@@ -30,8 +30,8 @@ impl Bias {
         seconds: &StageSeconds,
         observer: &mut dyn Observer,
     ) -> Bias {
-        // Two small renders are set up anew, which nothing can cut short.
-        let set_up = Duration::from_secs_f64(2.0 * (seconds.bvh + seconds.upload));
+        // A small render is set up anew, which nothing can cut short.
+        let set_up = Duration::from_secs_f64(seconds.bvh + seconds.upload);
         let late = "the time limit ended before it could be estimated";
         if ends.is_some_and(|ends| Instant::now() + set_up > ends) {
             return Bias::Missing(late.into());

@@ -45,8 +45,8 @@ pub enum Outcome {
     HardCasesFailed,
     /// A picture is further from its reference than the limits given allow: the limits that are not kept, in words.
     LimitsExceeded(Vec<String>),
-    /// The render is done, and these of its files could not be written; all others are.
-    NotWritten(Vec<texray::Error>),
+    /// The render is done, and some of its files could not be written, which it has said; all others are.
+    NotWritten,
     /// Stopped by this signal; what there was is saved.
     Signal(u8),
 }

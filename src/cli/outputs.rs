@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{ArgAction, Args};
 use texray::film::{Film, error_map};
-use texray::memory::{Reservation, reserve};
+use texray::memory::{Reservation, check, reserve};
 use texray::output::cost::{Extent, check_room};
 use texray::output::partial::beside_better;
 use texray::output::{
@@ -109,21 +109,38 @@ pub struct Outputs<'a> {
 }
 
 impl Outputs<'_> {
-    /// Refuses pictures that the disk has no room for, and holds the memory that saving them will take, until it is dropped, beside
-    /// what the film holds itself.
+    /// Refuses pictures that the disk has no room for, and holds the memory that saving them will take, until it is dropped,
+    /// beside what the film holds itself.
     pub fn reserve(&self, settings: &Settings) -> Result<Reservation> {
-        let [_, _, width, height] = settings.region();
-        let further_channels = self.aov.iter().map(|layer| layer.channels()).sum();
-        let extent = Extent { width, height, further_channels };
+        let extent = self.extent(settings);
         let plain = Extent { further_channels: 0, ..extent };
-        let of = |format: Format| if format == Format::Exr { extent } else { plain };
-        let files = self.pictures.iter().map(|file| (file.path(), file.format().file_bytes(of(file.format()))));
-        let map = self.arguments.error_map.iter().map(|path| (path.as_path(), Format::Png.file_bytes(plain)));
+        let bytes = |format: Format| format.file_bytes(if format == Format::Exr { extent } else { plain });
+        let files = self.pictures.iter().map(|file| (file.path(), bytes(file.format())));
+        let map = self.arguments.error_map.iter().map(|path| (path.as_path(), bytes(Format::Png)));
         check_room(files.chain(map))?;
+        let pixels = u64::from(extent.width) * u64::from(extent.height);
+        let (of_film, saving) = (Film::read_out_bytes(pixels), extent.picture_bytes() + self.encoding_bytes(extent));
+        let beside = saving.saturating_sub(of_film);
+        // What is held is not touched, and so is still there for the film to find: both are asked for together.
+        let replicates = settings
+            .replicates
+            .unwrap_or_else(|| Film::replicates(u64::from(settings.width) * u64::from(settings.height)));
+        let film = Film::bytes(pixels, replicates);
+        check("memory for the film and for saving the pictures", film.saturating_add(beside))?;
+        reserve("memory for saving the pictures", beside)
+    }
+
+    fn extent(&self, settings: &Settings) -> Extent {
+        let [_, _, width, height] = settings.region();
+        Extent { width, height, further_channels: self.aov.iter().map(|layer| layer.channels()).sum() }
+    }
+
+    /// Bytes that the largest of the files takes while it is encoded.
+    fn encoding_bytes(&self, extent: Extent) -> u64 {
+        let plain = Extent { further_channels: 0, ..extent };
         let formats = self.pictures.iter().map(OutputFile::format).chain([Format::Png]);
-        let encoding = formats.map(|format| format.encoding_bytes(of(format))).max().unwrap_or(0);
-        let of_film = Film::read_out_bytes(u64::from(width) * u64::from(height));
-        reserve("memory for saving the pictures", (extent.picture_bytes() + encoding).saturating_sub(of_film))
+        let bytes = |format: Format| format.encoding_bytes(if format == Format::Exr { extent } else { plain });
+        formats.map(bytes).max().unwrap_or(0)
     }
 
     /// Writes all files of a render that has taken `spp` samples. `cut_short`: a signal or a time limit has ended it before its
@@ -134,9 +151,10 @@ impl Outputs<'_> {
         let mut saved = Saved {
             picture,
             display: self.display,
+            encoding_bytes: self.encoding_bytes(self.extent(ending.settings)),
             pictures: Vec::new(),
             files: Vec::new(),
-            kept: Vec::new(),
+            warnings: Vec::new(),
             failures: Vec::new(),
         };
         let map_file = self.arguments.error_map.as_deref().map(Job::ErrorMap);
@@ -167,10 +185,12 @@ impl Outputs<'_> {
                 saved.note(file.path(), place.path(), written);
             }
             Job::ErrorMap(path) => {
-                let better = beside_better(path, metadata, ending.spp).filter(|_| spares);
+                let mut metadata = metadata.clone();
+                metadata.subject("shows", "standard error");
+                let better = beside_better(path, &metadata, ending.spp).filter(|_| spares);
                 let place = better.as_deref().unwrap_or(path);
                 let (width, height) = (saved.picture.width, saved.picture.height);
-                let png = encode_indexed_png(width, height, &error_map::palette(), error_map::LEGEND, map, metadata);
+                let png = encode_indexed_png(width, height, &error_map::palette(), error_map::LEGEND, map, &metadata);
                 let png = png.map_err(|message| Error::output(place, message));
                 saved.note(path, place, png.and_then(|png| write_whole(place, no_clobber, &png)));
             }
@@ -229,33 +249,28 @@ impl Job<'_> {
 pub struct Saved {
     picture: Picture,
     display: Display,
+    encoding_bytes: u64,
     /// Pictures that were written.
     pictures: Vec<OutputFile>,
     /// Names of pictures and error map that were written.
     pub files: Vec<String>,
-    /// Better pictures that were kept, each with the file that was written instead.
-    pub kept: Vec<[String; 2]>,
+    /// What the user should know: better pictures that were kept.
+    pub warnings: Vec<String>,
     /// Why files were not written, an error each.
     pub failures: Vec<Error>,
 }
 
 impl Saved {
-    /// Writes the pictures once more, with facts that were not known before. What went to a pipe or a device stays as it is.
+    /// Writes the pictures once more, with facts that were not known before. What went to a pipe or a device stays as it is, and
+    /// so do pictures that cannot be written again: they lack these facts, and a warning says so.
     pub fn rewrite(&mut self, metadata: &Metadata) {
         for file in self.pictures.iter().filter(|file| is_rewritable(file.path())) {
-            self.failures.extend(file.write(&self.picture, &self.display, metadata).err());
+            let room = reserve("memory for saving a picture again", self.encoding_bytes).map(drop);
+            let written = room.and_then(|()| file.write(&self.picture, &self.display, metadata));
+            if let Err(error) = written {
+                self.warnings.push(format!("warning: a picture is saved without its bias, which came later: {error}"));
+            }
         }
-    }
-
-    /// Warnings: which better pictures were kept, where `spp` samples were taken.
-    pub fn warnings(&self, spp: u32) -> impl Iterator<Item = String> {
-        let warning = move |[kept, written]: &[String; 2]| {
-            format!(
-                "warning: {kept} holds more samples of this picture and is kept; these {spp} spp are in {written} \
-                 (--overwrite replaces)"
-            )
-        };
-        self.kept.iter().map(warning)
     }
 
     fn note(&mut self, asked: &Path, path: &Path, written: Result<()>) {
@@ -263,7 +278,12 @@ impl Saved {
             Ok(()) => {
                 self.files.push(path.display().to_string());
                 if asked != path {
-                    self.kept.push([asked, path].map(|path| path.display().to_string()));
+                    self.warnings.push(format!(
+                        "warning: {} holds more samples of this picture and is kept; this one is in {} (--overwrite \
+                         replaces)",
+                        asked.display(),
+                        path.display()
+                    ));
                 }
             }
             Err(error) => self.failures.push(error),

@@ -93,13 +93,13 @@ impl RenderArgs {
         drop(reserved);
         let mut rendered = rendered?;
         rendered.report.seconds.load = seconds_load;
-        let of = Job { started, ended: Instant::now(), scene: &scene, settings: &settings, engine: &engine };
+        let of = Ended { started, ended: Instant::now(), scene: &scene, settings: &settings, engine: &engine };
         let mut saved = of.save(&outputs, &mut rendered)?;
         // All that is optional comes after the pictures are safe.
         let bias = self.bias(&of, &limits, &rendered, &signals);
         of.save_bias(&bias, &rendered, &mut saved);
         self.tell_after(&of, &mut rendered, &bias, &saved)?;
-        self.outcome(&signals, &rendered, &bias, saved)
+        self.outcome(&signals, &rendered, &bias, &saved)
     }
 
     /// The first few samples of a render, for a dry run.
@@ -111,7 +111,7 @@ impl RenderArgs {
     }
 
     /// What the bounce cap cuts off, where it was asked for or costs little, and nobody waits for the end.
-    fn bias(&self, of: &Job<'_>, limits: &Limits, rendered: &Rendered, signals: &Signals) -> Bias {
+    fn bias(&self, of: &Ended<'_>, limits: &Limits, rendered: &Rendered, signals: &Signals) -> Bias {
         let (report, asked) = (&rendered.report, self.stop.max_bias.is_some());
         let unasked = self.stop.time_limit.is_none() && is_cheap(of.scene, of.settings, report.spp);
         if report.spp == 0 || signals.received().is_some() || !(asked || unasked) {
@@ -144,7 +144,7 @@ impl RenderArgs {
         }
     }
 
-    fn tell_after(&self, of: &Job<'_>, rendered: &mut Rendered, bias: &Bias, saved: &Saved) -> Result<()> {
+    fn tell_after(&self, of: &Ended<'_>, rendered: &mut Rendered, bias: &Bias, saved: &Saved) -> Result<()> {
         rendered.report.seconds.total = of.started.elapsed().as_secs_f64();
         let facts = Facts {
             scene: of.scene,
@@ -158,7 +158,7 @@ impl RenderArgs {
             not_written: saved.failures.iter().map(Error::to_string).collect(),
         };
         let warnings =
-            summary::warnings(&facts).into_iter().chain(bias.warning()).chain(saved.warnings(facts.report.spp));
+            summary::warnings(&facts).into_iter().chain(bias.warning()).chain(saved.warnings.iter().cloned());
         warnings.for_each(|line| say(&line));
         if !self.running.quiet {
             if self.running.verbose {
@@ -170,11 +170,12 @@ impl RenderArgs {
             let files = if facts.outputs.is_empty() { "nothing".into() } else { facts.outputs.join(", ") };
             say(&format!("{reason}; wrote {files}"));
         }
+        saved.failures.iter().for_each(|failure| say(&format!("error: {failure}")));
         if self.running.json { answer_json(&Document::new(facts)) } else { Ok(()) }
     }
 
     /// How it ended; what is worse goes before what is less bad.
-    fn outcome(&self, signals: &Signals, rendered: &Rendered, bias: &Bias, saved: Saved) -> Result<Outcome> {
+    fn outcome(&self, signals: &Signals, rendered: &Rendered, bias: &Bias, saved: &Saved) -> Result<Outcome> {
         let validation = &rendered.validation;
         if !validation.is_empty() {
             validation.iter().for_each(|message| say(&format!("validation: {message}")));
@@ -182,7 +183,7 @@ impl RenderArgs {
         }
         let invalid = rendered.report.invalid_samples.values().sum();
         Ok(match signals.received() {
-            _ if !saved.failures.is_empty() => Outcome::NotWritten(saved.failures),
+            _ if !saved.failures.is_empty() => Outcome::NotWritten,
             Some(signal) => Outcome::Signal(signal),
             None if self.running.strict && invalid > 0 => Outcome::InvalidSamples(invalid),
             None => self.stop.missed(&rendered.report, bias).map_or(Outcome::Done, Outcome::TargetMissed),
@@ -191,7 +192,7 @@ impl RenderArgs {
 }
 
 /// A render that has ended, and what it was of.
-struct Job<'a> {
+struct Ended<'a> {
     /// When the process began.
     started: Instant,
     /// When the last sample was finished.
@@ -201,7 +202,7 @@ struct Job<'a> {
     engine: &'a Engine,
 }
 
-impl Job<'_> {
+impl Ended<'_> {
     /// Writes the files. Stopped before the first sample, there is no picture to save.
     fn save(&self, outputs: &Outputs<'_>, rendered: &mut Rendered) -> Result<Saved> {
         let writing = Instant::now();

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use texray::output::Metadata;
+use texray::output::{Metadata, target_of};
 use texray::render::{CapBias, RenderReport, Settings};
 use texray::scene::Scene;
 use texray::{Error, Result};
@@ -28,6 +28,7 @@ pub fn check_distinct(scene: &[&Path], outputs: &[&Path]) -> Result<()> {
 /// Whether two paths name the same file, be it there already or not.
 pub fn same(a: &Path, b: &Path) -> bool {
     let resolved = |path: &Path| {
+        let path = &target_of(path);
         path.canonicalize().ok().or_else(|| {
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
             Some(folder.canonicalize().ok()?.join(path.file_name()?))

@@ -7,9 +7,12 @@
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+#[cfg(unix)]
 use std::time::{Duration, Instant};
 
-use signal_hook::{consts, flag, low_level};
+#[cfg(unix)]
+use signal_hook::low_level;
+use signal_hook::{consts, flag};
 use texray::{Error, Result};
 
 use super::process;
@@ -20,9 +23,11 @@ const WATCHED: [i32; 3] = [consts::SIGINT, consts::SIGTERM, consts::SIGHUP];
 const WATCHED: [i32; 2] = [consts::SIGINT, consts::SIGTERM];
 
 /// Signals that come within this time after the first one belong to it: nobody asks a second time so soon.
+#[cfg(unix)]
 const BURST: Duration = Duration::from_secs(1);
 
 /// Bytes of the stack of the thread that waits for signals.
+#[cfg(unix)]
 const STACK_BYTES: usize = 64 << 10;
 
 /// A watch on the signals; it lasts as long as the process.
@@ -91,7 +96,7 @@ pub fn survive_large_files() {
     let _ = flag::register(consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use super::*;
 

@@ -182,8 +182,7 @@ impl Film {
     pub fn set_open(&mut self, replicate: u32, rect: [u32; 4], block: &[PixelSum]) -> Result<()> {
         self.check(replicate, rect, block)?;
         if self.open.is_empty() {
-            memory::probe::<Open>("memory for the open block of a film", self.pixels())?;
-            self.open = vec![Open::default(); self.pixels()];
+            self.open = memory::filled("memory for the open block of a film", Open::default(), self.pixels())?;
         }
         let ([x, y, width, height], row) = (rect.map(|value| value as usize), self.width as usize);
         let rows = self.open[y * row..(y + height) * row].par_chunks_mut(row);

@@ -36,6 +36,8 @@ const QUEUE_THREADS: usize = 1;
 /// and one for its cache on disk, which it can do without.
 const CACHE_THREADS: usize = 1;
 
+/// The thread of the program that waits for signals.
+const SIGNAL_THREADS: usize = 1;
 /// What else may start a thread during a render: the writers of pictures, which can do without.
 const SPARE_THREADS: usize = 2;
 
@@ -65,7 +67,7 @@ pub fn share_out_threads() -> ThreadShares {
     }
     let given = given_threads();
     let driver = given.unwrap_or_else(|| threads(cores).unwrap_or(cores.min(MOST_THREADS)));
-    let wanted = needed(driver) + CACHE_THREADS + cores + SPARE_THREADS;
+    let wanted = needed(driver) + CACHE_THREADS + SIGNAL_THREADS + cores + SPARE_THREADS;
     let roomy = address_space::threads_with_room(driver);
     let startable = startable(wanted);
     let (set, shares) = if startable < wanted {
@@ -149,7 +151,7 @@ fn needed(driver: usize) -> usize {
 /// Of `startable` threads those for lavapipe, which then does nearly all of the work, and what is left for the host.
 /// Without threads of its own lavapipe works in that of its queue.
 fn shares(driver: usize, cores: usize, startable: usize) -> (usize, usize) {
-    let left = startable.saturating_sub(QUEUE_THREADS + CACHE_THREADS);
+    let left = startable.saturating_sub(QUEUE_THREADS + CACHE_THREADS + SIGNAL_THREADS);
     let driver = driver.min(left / POOLS);
     let workers = (left - POOLS * driver).min(cores);
     // One worker would only do what the thread that waits for it can do.
@@ -202,12 +204,12 @@ mod tests {
                     let (fewer, workers) = shares(driver, cores, startable);
                     assert!(fewer <= driver && workers <= cores && workers != 1);
                     assert!(startable == 0 || needed(fewer) + workers <= startable, "{driver} {cores} {startable}");
-                    assert!(fewer == driver || startable < needed(fewer + 1) + CACHE_THREADS);
+                    assert!(fewer == driver || startable < needed(fewer + 1) + CACHE_THREADS + SIGNAL_THREADS);
                 }
             }
         }
-        assert_eq!(shares(8, 2, 7), (2, 0));
-        assert_eq!(shares(8, 2, 21), (8, 2));
+        assert_eq!(shares(8, 2, 8), (2, 0));
+        assert_eq!(shares(8, 2, 22), (8, 2));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::Format;
+use super::place::Place;
 use super::temporary::folder_of;
 use crate::memory::mebibytes;
 use crate::{Error, Result};
@@ -14,8 +15,8 @@ use crate::{Error, Result};
 const HEADER_BYTES: u64 = 1 << 16;
 /// Lines of a block of an EXR file, which are compressed together.
 const EXR_LINES: u64 = 16;
-/// Bytes that a worker of the compressor takes beside its lines: its stack and tables.
-const WORKER_BYTES: u64 = 4 << 20;
+/// Bytes that a worker of the compressor takes beside its lines: tables, and what it touches of its stack.
+const WORKER_BYTES: u64 = 1 << 20;
 
 /// Size of a picture to be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,8 +67,9 @@ impl Format {
             // A copy of each channel, and blocks on their way through the compressor: two per worker, in several forms.
             Format::Exr => {
                 let workers = std::thread::available_parallelism().map_or(1, usize::from) as u64;
+                let busy = (workers + 2).min(u64::from(extent.height).div_ceil(EXR_LINES));
                 let block = 4 * extent.channels() * u64::from(extent.width) * EXR_LINES;
-                file + 4 * extent.channels() * pixels + (workers + 2) * (WORKER_BYTES + 6 * block)
+                file + 4 * extent.channels() * pixels + busy * (WORKER_BYTES + 6 * block)
             }
             // Pixels of three bytes, filtered, compressed into a growing buffer (which is copied when it grows), and the file.
             Format::Png => 6 * file,
@@ -77,13 +79,15 @@ impl Format {
     }
 }
 
-/// Refuses files, each a path and its bytes at most, for which their disks have no room, as far as the system says how much they
-/// have. Old files of these names are not counted as room: they stay until the new ones are complete.
+/// Refuses files, each a path and its bytes at most, for which their disks have no room, as far as the system says how much
+/// they have. Old files of these names are not counted as room: they stay until the new ones are complete. A device or a
+/// pipe needs none.
 pub fn check_room<'a>(files: impl IntoIterator<Item = (&'a Path, u64)>) -> Result<()> {
     // What was promised to the files before, by disk.
     let mut promised: BTreeMap<u64, u64> = BTreeMap::new();
     for (path, bytes) in files {
-        let Some((disk, room)) = room(folder_of(path)) else { continue };
+        let Ok(place) = Place::of(path) else { continue };
+        let Some((disk, room)) = room(folder_of(place.target())).filter(|_| place.is_file()) else { continue };
         let before = promised.entry(disk).or_default();
         let left = room.saturating_sub(*before);
         if bytes > left {

@@ -10,17 +10,29 @@ use super::{Metadata, Stored};
 
 /// Longest name of a file in bytes on the file systems in use.
 const LONGEST_NAME: usize = 255;
+/// Names that are tried for a free one.
+const MOST_TRIES: u32 = 999;
 
 /// Where a picture of `spp` samples that was cut short goes instead of `path`; `None` where nothing better is there.
 pub fn beside_better(path: &Path, metadata: &Metadata, spp: u32) -> Option<PathBuf> {
     let stored = Stored::read(path);
     let better = stored.get("spp").and_then(|spp| spp.parse::<u32>().ok()).is_some_and(|there| there > spp);
-    (better && metadata.has_subject_of(&stored)).then(|| partial(path, spp))
+    if !better || !metadata.has_subject_of(&stored) {
+        return None;
+    }
+    // What has the name already is replaced only if it is the same picture.
+    let free = |place: &PathBuf| place.symlink_metadata().is_err() || metadata.has_subject_of(&Stored::read(place));
+    (1..=MOST_TRIES)
+        .map(|count| partial(path, spp, count))
+        .find(free)
+        .or_else(|| Some(partial(path, spp, MOST_TRIES + 1)))
 }
 
-/// `NAME.partial-Nspp.EXT` beside `NAME.EXT`; a name that would be too long loses the end of NAME.
-fn partial(path: &Path, spp: u32) -> PathBuf {
-    let mut end = OsString::from(format!(".partial-{spp}spp"));
+/// `NAME.partial-Nspp.EXT` beside `NAME.EXT`, with `-COUNT` after it from the second on; a name that would be too long loses
+/// the end of NAME.
+fn partial(path: &Path, spp: u32, count: u32) -> PathBuf {
+    let counted = if count > 1 { format!("-{count}") } else { String::new() };
+    let mut end = OsString::from(format!(".partial-{spp}spp{counted}"));
     if let Some(extension) = path.extension() {
         end.push(".");
         end.push(extension);
@@ -41,9 +53,10 @@ mod tests {
 
     #[test]
     fn a_partial_picture_stands_beside_the_whole_one() {
-        assert_eq!(partial(Path::new("a/b.c.exr"), 16), Path::new("a/b.c.partial-16spp.exr"));
+        assert_eq!(partial(Path::new("a/b.c.exr"), 16, 1), Path::new("a/b.c.partial-16spp.exr"));
+        assert_eq!(partial(Path::new("b"), 16, 2), Path::new("b.partial-16spp-2"));
         let long = PathBuf::from(format!("{}.png", "ä".repeat(125)));
-        let name = partial(&long, 4_294_967_295);
+        let name = partial(&long, 4_294_967_295, 1);
         let name = name.to_str().unwrap();
         assert!(name.len() <= LONGEST_NAME && name.ends_with("ä.partial-4294967295spp.png"), "{name}");
     }

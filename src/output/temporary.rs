@@ -1,11 +1,12 @@
 //! A file without a name until it is whole.
 //!
-//! Comes in: a folder. Goes out: a [`Temporary`] to write to, which takes its name in one step. Where the system can, the file has
-//! no name at all while it is written (Linux, `O_TMPFILE`), so that a process that is killed leaves nothing behind. Elsewhere it
-//! has a hidden one, and what a killed process has left is removed by the next that writes into the folder.
+//! Comes in: a folder. Goes out: a [`Temporary`] to write to, which takes its name in one step. Where the system can,
+//! the file has no name at all while it is written (Linux, `O_TMPFILE`), so that a process that is killed meanwhile
+//! leaves nothing behind. Elsewhere it has a hidden one, and what a killed process has left is removed by a later one
+//! that writes into the folder.
 
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
 
@@ -34,7 +35,7 @@ impl Temporary {
         if let Some(file) = unnamed(folder) {
             return Ok(Temporary::Unnamed(file));
         }
-        builder().tempfile_in(folder).map(Temporary::Named)
+        Temporary::named(folder)
     }
 
     /// The file, to be written.
@@ -46,17 +47,29 @@ impl Temporary {
         }
     }
 
+    /// A file with a hidden name, for where a file without one cannot be named.
+    pub fn named(folder: &Path) -> io::Result<Temporary> {
+        builder().tempfile_in(folder).map(Temporary::Named)
+    }
+
+    /// The same file with `bytes`, which are on the disk.
+    pub fn filled(mut self, bytes: &[u8]) -> io::Result<Temporary> {
+        self.file().write_all(bytes)?;
+        self.file().sync_all()?;
+        Ok(self)
+    }
+
     /// Gives it the name `target` in the same folder, in the place of what has that name.
     pub fn replace(self, target: &Path) -> io::Result<()> {
-        let named = match self {
+        match self {
             #[cfg(target_os = "linux")]
             // A link cannot take a name that is taken, and a rename can: the file gets a hidden name for a moment.
             Temporary::Unnamed(file) => {
-                builder().make_in(folder_of(target), |hidden| link(&file, hidden))?.persist(target)
+                let hidden = builder().make_in(folder_of(target), |hidden| link(&file, hidden))?;
+                hidden.persist(target).map(drop).map_err(|error| error.error)
             }
-            Temporary::Named(file) => return file.persist(target).map(drop).map_err(|error| error.error),
-        };
-        named.map(drop).map_err(|error| error.error)
+            Temporary::Named(file) => file.persist(target).map(drop).map_err(|error| error.error),
+        }
     }
 
     /// Gives it the name `target` in the same folder, unless something has that name.
@@ -77,7 +90,8 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Removes hidden files in `folder` that this user's killed processes have left. Nothing depends on it, so no failure is told.
+/// Removes hidden files in `folder` that this user's killed processes have left. Nothing depends on it, so no failure is
+/// told.
 pub fn remove_stale(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -141,8 +155,6 @@ fn handle(file: &File) -> std::path::PathBuf {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write;
-
     use super::*;
 
     fn names(folder: &Path) -> Vec<String> {
@@ -159,11 +171,7 @@ mod tests {
         let named = || Temporary::Named(builder().tempfile_in(folder.path()).unwrap());
         let make: [&dyn Fn() -> Temporary; 2] = [&named, &|| Temporary::new(folder.path()).unwrap()];
         for make in make {
-            let with = |bytes: &[u8]| {
-                let mut file = make();
-                file.file().write_all(bytes).unwrap();
-                file
-            };
+            let with = |bytes: &[u8]| make().filled(bytes).unwrap();
             with(b"first").name(&target).unwrap();
             assert_eq!(with(b"second").name(&target).unwrap_err().kind(), io::ErrorKind::AlreadyExists);
             assert_eq!(fs::read(&target).unwrap(), b"first");

@@ -7,8 +7,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::partial;
-use super::place::Place;
-use super::temporary::remove_stale;
+use super::place::{Place, follow};
+use super::temporary::{folder_of, remove_stale};
 use super::{Display, Metadata, Picture, exr, hdr, png};
 use crate::{Error, Result};
 
@@ -106,13 +106,18 @@ pub fn check_writable(path: &Path, no_clobber: bool) -> Result<()> {
     }
     let place = Place::of(path).map_err(|message| Error::output(path, message))?;
     place.try_out().map_err(|message| Error::output(path, message))?;
-    remove_stale(place.folder());
+    remove_stale(folder_of(place.target()));
     Ok(())
 }
 
 /// Whether what is written to `path` stays there, so that it can be written once more: what went to a pipe or a device is gone.
 pub fn is_rewritable(path: &Path) -> bool {
     Place::of(path).is_ok_and(|place| place.is_file())
+}
+
+/// The path that is written to where `path` is named: links are followed, be there a file at their end or not.
+pub fn target_of(path: &Path) -> PathBuf {
+    follow(path).unwrap_or_else(|_| path.into())
 }
 
 /// Writes `bytes` to `path`: a file is whole or not there, and what stood there before stays until it is complete. Symbolic links are

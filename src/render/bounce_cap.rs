@@ -4,7 +4,7 @@
 //! the same random numbers, once with the cap and once with a far higher one. All that both have in common cancels in their
 //! difference, pixel by pixel: what is left is the light of the paths in between.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
@@ -68,9 +68,16 @@ pub fn cap_bias(
     let rules = StopRules { time, whole_or_nothing: true, ..StopRules::default() };
     let up_to_bounces = settings.max_bounces.saturating_mul(FACTOR).saturating_add(BEYOND).min(MAX_BOUNCES);
     let small = small(settings);
+    let mut set_up = Duration::ZERO;
     let mut luminance = |max_bounces: u32| -> Result<Option<Vec<f64>>> {
         let settings = Settings { max_bounces, ..small.clone() };
+        // Setting a render up cannot be cut short, and the second one takes as long as the first.
+        if ends.is_some_and(|ends| Instant::now() + set_up > ends) {
+            return Ok(None);
+        }
+        let begun = Instant::now();
         let renderer = Renderer::new(context, scene, &settings, &Tuning::default())?;
+        set_up = begun.elapsed();
         let rendered = renderer.stop_by(rules).render(observer)?;
         let whole = rendered.report.spp == SPP;
         Ok(whole.then(|| rendered.film.mean().into_iter().map(luminance_of).collect()))

@@ -77,7 +77,8 @@ impl Renderer {
         self
     }
 
-    /// Renders until the samples are done, a rule is met or the observer stops it, after the first whole run at the earliest.
+    /// Renders until the samples are done, a rule is met or the observer stops it: after the first whole run at the earliest,
+    /// unless a picture without all its samples is of no use ([`StopRules::whole_or_nothing`]).
     pub fn render(mut self, observer: &mut dyn Observer) -> Result<Rendered> {
         self.rules.check()?;
         let start = Instant::now();

@@ -8,7 +8,7 @@ pub mod device;
 pub mod draws;
 pub mod golden;
 pub mod obj;
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 pub mod program;
 pub mod sketch;
 pub mod tracer;

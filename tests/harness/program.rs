@@ -1,12 +1,15 @@
 //! The program as a user runs it: a small room in a folder of its own, commands in that folder, and what they leave.
 
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use exr::prelude::read_first_rgba_layer_from_file;
+use rustix::process::Pid;
+pub use rustix::process::Signal;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -52,30 +55,26 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Starts the program with the signals as a terminal starts it: a test that runs in the background of a script ignores some of them, and
-/// so would the program.
+/// Starts the program with the signals as a terminal starts it: a test that runs in the background of a script ignores some of
+/// them, and so would the program. Returns once it has named its device: it renders from then on.
 pub fn start(folder: &Path, arguments: &[&str]) -> Child {
     let mut command = Command::new("env");
     command.args(["--default-signal=INT,TERM,HUP", TEXRAY]).args(arguments).current_dir(folder);
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
-    let start = Instant::now();
-    while !catches_signals(child.id()) && start.elapsed() < Duration::from_secs(20) {
-        sleep(Duration::from_millis(5));
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.starts_with("device") {
+        line.clear();
+        assert!(stderr.read_line(&mut line).unwrap() > 0, "the program ended before it began to render");
     }
+    // What it says after that is read, so that it never waits for a reader.
+    std::thread::spawn(move || std::io::copy(&mut stderr, &mut std::io::sink()));
     child
 }
 
-/// Whether a process has a handler of SIGTERM, by what Linux says of it.
-fn catches_signals(id: u32) -> bool {
-    let status = fs::read_to_string(format!("/proc/{id}/status")).unwrap_or_default();
-    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
-    caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> 14 & 1 == 1)
-}
-
-/// Sends a signal by its name.
-pub fn signal(child: &Child, name: &str) {
-    // The child may have ended already; then there is nobody to signal.
-    let _ = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).stderr(Stdio::null()).status();
+/// Sends a signal. The child may have ended already; then there is nobody to signal.
+pub fn signal(child: &Child, signal: Signal) {
+    let _ = rustix::process::kill_process(Pid::from_child(child), signal);
 }
 
 /// Waits for the end and returns its code; a program that does not end is killed, and has none.
