@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::colour::{from_ycxcz, hunt_lab, hyab, ycxcz};
 use super::convolve::Plane;
 use super::difference::luminance;
-use crate::film::memory;
+use crate::memory;
 
 /// Pixels that a degree of the observer's view has: 3840 · π / 180.
 pub const PIXELS_PER_DEGREE: f64 = 67.020_643_276_582_25;

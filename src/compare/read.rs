@@ -11,8 +11,7 @@ use std::path::{Path, PathBuf};
 use exr::meta::{BlockDescription, MetaData, header::Header};
 use exr::prelude::read_all_flat_layers_from_file;
 
-use crate::film::memory;
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 
 /// Layer of the per-pixel variance of the mean, a channel each, beside the picture's own.
 pub const VARIANCE_LAYER: &str = "variance";

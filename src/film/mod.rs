@@ -13,13 +13,12 @@ mod error;
 pub mod error_map;
 mod estimate;
 pub mod fixed;
-pub mod memory;
 mod neighbourhood;
 
 use rayon::prelude::*;
 
 use crate::interface::BLOCK_SAMPLES;
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 
 pub use error::PictureError;
 pub use estimate::{DENOMINATOR_FLOOR, Estimate};
