@@ -10,18 +10,23 @@ use std::path::{Path, PathBuf};
 use glam::{DVec2, DVec3};
 
 use super::batches::in_batches;
-use super::mtl_scan::Library;
+use super::library::{Libraries, Library};
 use super::nearest::nearest;
 use super::number::in_range;
 use super::obj_mesh::{ObjCorners, ObjMesh, ObjTriangle};
 use super::recipe::Recipe;
 use super::scene_file::{MaterialEntry, MeshEntry};
-use super::source_text::quoted;
+use super::source_text::{Folders, Named, check_memory};
+use super::warnings::Warnings;
 use crate::interface::NO_INDEX;
+use crate::quote::{self, quoted};
 use crate::{Error, Result};
 
 /// A normal this close to the geometric one shades as the flat triangle does, so the triangle needs none.
 const SAME_NORMAL: f64 = 1e-6;
+
+/// Most triangles: their indices and those of their corners are kept as `u32`.
+const MOST_TRIANGLES: u64 = (1 << 31) - 1;
 
 /// Triangles and materials in file units.
 #[derive(Default)]
@@ -34,10 +39,10 @@ pub(super) struct RawScene {
     pub materials: Vec<(String, Recipe)>,
     /// Triangles left out for want of an area.
     pub degenerate: usize,
-    /// OBJ and MTL files that were read.
+    /// Files that the scene names, read or not.
     pub files: Vec<PathBuf>,
     /// Warnings with file and line.
-    pub warnings: Vec<String>,
+    pub warnings: Warnings,
 }
 
 /// One triangle.
@@ -61,185 +66,311 @@ pub(super) struct RawCorners {
 }
 
 /// Places `meshes`, which the scene file `path` lists beside `materials`.
+///
+/// All files are read before anything is placed: what the scene asks for is known then, and refused where it is too much.
 pub(super) fn assemble(path: &Path, meshes: &[MeshEntry], materials: &[MaterialEntry]) -> Result<RawScene> {
-    assemble_with(path, meshes, materials, &mut ObjFiles::new())
-}
-
-/// OBJ files that were read, each with its MTL files where they were needed.
-pub(super) type ObjFiles = HashMap<PathBuf, (ObjMesh, Option<Library>)>;
-
-/// As [`assemble`], but reads only those files that `files` lacks.
-pub(super) fn assemble_with(
-    path: &Path,
-    meshes: &[MeshEntry],
-    materials: &[MaterialEntry],
-    files: &mut ObjFiles,
-) -> Result<RawScene> {
-    let mut assembly =
-        Assembly { path, materials, raw: RawScene::default(), index: HashMap::new(), touched: HashSet::new() };
+    let mut assembly = Assembly::new(path, materials);
+    let mut files = Vec::with_capacity(meshes.len());
+    let mut need = Need::default();
     for entry in meshes {
-        if !files.contains_key(entry.file.as_path()) {
-            let mesh = ObjMesh::load(&entry.file, Some((path, entry.line)))?;
-            assembly.raw.warnings.extend(mesh.warnings.iter().cloned());
-            assembly.raw.files.push(entry.file.clone());
-            files.insert(entry.file.clone(), (mesh, None));
-        }
-        let Some((mesh, library)) = files.get_mut(entry.file.as_path()) else { continue };
-        // A mesh whose one material stands in the scene file needs no MTL file.
-        let in_scene = |(name, _): &(String, usize)| materials.iter().any(|material| material.name == *name);
-        if library.is_none() && !entry.material.as_ref().is_some_and(in_scene) {
-            let read = mesh.library()?;
-            assembly.raw.warnings.extend(read.warnings.iter().cloned());
-            assembly.raw.files.extend(read.files.iter().cloned());
-            *library = Some(read);
-        }
-        assembly.place(entry, mesh, library.as_ref())?;
+        let file = assembly.read(entry)?;
+        need.add(path, entry, &assembly.sources[file].mesh)?;
+        files.push(file);
     }
-    for unused in materials.iter().filter(|material| !assembly.touched.contains(material.name.as_str())) {
-        let text = format!("{}:{}: no mesh uses the material {}", path.display(), unused.line, quoted(&unused.name));
-        assembly.raw.warnings.push(text);
+    assembly.place_all(meshes, &files, &need)?;
+    let touched = std::mem::take(&mut assembly.touched);
+    for unused in materials.iter().filter(|material| !touched.contains(material.name.as_str())) {
+        let text = || {
+            let (path, name) = (quote::path(path), quoted(&unused.name));
+            format!("{path}:{}: no mesh uses the material {name}", unused.line)
+        };
+        assembly.raw.warnings.add("unused materials", text);
     }
-    Ok(assembly.raw)
+    Ok(assembly.finish())
 }
 
 /// A bare OBJ file as it stands.
 pub(super) fn assemble_bare(path: &Path) -> Result<RawScene> {
-    let mut assembly =
-        Assembly { path, materials: &[], raw: RawScene::default(), index: HashMap::new(), touched: HashSet::new() };
-    let mesh = ObjMesh::load(path, None)?;
-    let library = mesh.library()?;
-    assembly.raw.warnings.extend(mesh.warnings.iter().chain(&library.warnings).cloned());
-    assembly.raw.files.extend(library.files.iter().cloned());
+    let mut assembly = Assembly::new(path, &[]);
+    let mesh = ObjMesh::load(path, None, &mut assembly.raw.warnings)?;
     let transform = super::transform::Transform::IDENTITY;
     let entry = MeshEntry { file: path.to_owned(), line: 0, transform, material: None };
-    assembly.place(&entry, &mesh, Some(&library))?;
-    Ok(assembly.raw)
+    let mut need = Need::default();
+    need.add(path, &entry, &mesh)?;
+    let file = assembly.add(mesh);
+    assembly.read_library(file)?;
+    assembly.place_all(&[entry], &[file], &need)?;
+    Ok(assembly.finish())
+}
+
+/// What the placed meshes take.
+#[derive(Default)]
+struct Need {
+    triangles: u64,
+    smooth: u64,
+}
+
+/// Bytes that a triangle takes at the most at a time: in the scene's own units, then scaled, with its share of the tree
+/// that is built over it and of the texels that are made of both.
+const TRIANGLE_BYTES: u64 = (size_of::<RawTriangle>() + size_of::<super::Triangle>()) as u64 + TREE_BYTES;
+/// Bytes that the corners of a smooth triangle take beside it.
+const CORNERS_BYTES: u64 = (size_of::<RawCorners>() + size_of::<super::Corners>()) as u64;
+/// Bytes of a triangle's share of the tree, while it is built, and of its texels beyond what the raw triangle took.
+const TREE_BYTES: u64 = 200;
+
+impl Need {
+    /// Adds a mesh, or refuses it where its triangles and those above it are more than memory can hold.
+    fn add(&mut self, path: &Path, entry: &MeshEntry, mesh: &ObjMesh) -> Result<()> {
+        self.triangles += mesh.triangles.len() as u64;
+        self.smooth += mesh.corners.len() as u64;
+        if self.triangles > MOST_TRIANGLES {
+            let message = format!("more than {MOST_TRIANGLES} triangles; allowed are as many");
+            return Err(Error::scene(path, entry.line, message));
+        }
+        Ok(())
+    }
 }
 
 /// What placing the meshes has led to so far.
 struct Assembly<'a> {
     path: &'a Path,
     materials: &'a [MaterialEntry],
+    /// Place of each name in `materials`.
+    material_of_name: HashMap<&'a str, usize>,
     raw: RawScene,
+    /// OBJ files, in the order in which the meshes name them.
+    sources: Vec<Source>,
+    source_of_path: HashMap<PathBuf, usize>,
+    folders: Folders,
+    libraries: Libraries,
+    named: Named,
     /// Index of a material by the OBJ file it belongs to (none for the scene's own) and its name.
-    index: HashMap<(Option<PathBuf>, String), u32>,
+    index: HashMap<(Option<usize>, String), u32>,
     touched: HashSet<&'a str>,
 }
 
+/// An OBJ file.
+struct Source {
+    mesh: ObjMesh,
+    /// The MTL files that it names, where they were needed.
+    library: Option<Library>,
+    /// Material of each part, once a mesh has asked for them.
+    materials: Option<Vec<u32>>,
+}
+
 impl<'a> Assembly<'a> {
-    fn place(&mut self, entry: &MeshEntry, mesh: &ObjMesh, library: Option<&Library>) -> Result<()> {
-        let whole = match &entry.material {
-            Some((name, line)) => Some(self.whole_mesh_material(name, *line, mesh, library)?),
-            None => None,
+    fn new(path: &'a Path, materials: &'a [MaterialEntry]) -> Assembly<'a> {
+        Assembly {
+            path,
+            materials,
+            material_of_name: materials.iter().zip(0..).map(|(material, i)| (material.name.as_str(), i)).collect(),
+            raw: RawScene::default(),
+            sources: Vec::new(),
+            source_of_path: HashMap::new(),
+            folders: Folders::default(),
+            libraries: Libraries::default(),
+            named: Named::new(),
+            index: HashMap::new(),
+            touched: HashSet::new(),
+        }
+    }
+
+    /// Reads what the mesh needs and was not read before. Goes out: the number of its OBJ file.
+    fn read(&mut self, entry: &MeshEntry) -> Result<usize> {
+        let key = self.folders.key(&entry.file);
+        let file = match self.source_of_path.get(&key) {
+            Some(&file) => file,
+            None => {
+                let mesh = ObjMesh::load(&entry.file, Some((self.path, entry.line)), &mut self.raw.warnings)?;
+                self.named.insert(entry.file.clone().into_os_string());
+                let file = self.add(mesh);
+                self.source_of_path.insert(key, file);
+                file
+            }
         };
-        let mut material_of_part = Vec::with_capacity(mesh.parts.len());
-        for part in &mesh.parts {
-            material_of_part.push(match (whole, library) {
-                (Some(material), _) => material,
-                // A part without faces needs no material, but a name that is nowhere defined is refused all the same.
-                (None, Some(_)) if part.faces == 0 && part.name.is_empty() => 0,
-                (None, library) => self.part_material(mesh, part, library)?,
-            });
+        // A mesh whose one material stands in the scene file needs no MTL file.
+        let in_scene = |(name, _): &(String, usize)| self.material_of_name.contains_key(name.as_str());
+        if !entry.material.as_ref().is_some_and(in_scene) {
+            self.read_library(file)?;
         }
-        // One material makes one part of the whole mesh, smooth only where all of it has normals.
-        let smooth = whole.is_none() || mesh.parts.iter().all(|part| part.faces == 0 || part.all_normals);
-        let mut zero_normals = 0;
-        self.raw.triangles.reserve(mesh.triangles.len());
-        let corners_of = |triangle: &ObjTriangle| mesh.corners.get(triangle.corners as usize).filter(|_| smooth);
-        in_batches(
-            &mesh.triangles,
-            |_, triangles| PlacedPart::of(entry, triangles, &material_of_part, corners_of),
-            |part| {
-                if let Some(triangle) = part.overflows {
-                    return Err(self.overflow(entry, &triangle));
-                }
-                let first = self.raw.corners.len() as u32;
-                self.raw.corners.extend(part.corners);
-                self.raw.triangles.extend(part.triangles.into_iter().map(|triangle| match triangle.corners {
-                    NO_INDEX => triangle,
-                    corners => RawTriangle { corners: first + corners, ..triangle },
-                }));
-                self.raw.degenerate += part.degenerate;
-                zero_normals += part.zero_normals;
-                Ok(())
-            },
-        )?;
-        if self.raw.triangles.len() >= 1 << 31 {
-            return Err(Error::scene(self.path, entry.line, "more than 2147483647 triangles; allowed are as many"));
-        }
-        if zero_normals > 0 {
-            let text = format!(
-                "{}: {zero_normals} corners have a normal of length 0 and take that of their triangle",
-                mesh.path.display()
-            );
-            self.raw.warnings.push(text);
+        Ok(file)
+    }
+
+    fn add(&mut self, mesh: ObjMesh) -> usize {
+        self.named.extend(mesh.library_paths().map(PathBuf::into_os_string));
+        self.sources.push(Source { mesh, library: None, materials: None });
+        self.sources.len() - 1
+    }
+
+    fn read_library(&mut self, file: usize) -> Result<()> {
+        let source = &mut self.sources[file];
+        if source.library.is_none() {
+            let (named, warnings) = (&mut self.named, &mut self.raw.warnings);
+            source.library = Some(self.libraries.of(&source.mesh, &mut self.folders, named, warnings)?);
         }
         Ok(())
     }
 
-    /// The refusal of a triangle that the mesh's transform moves out of range.
-    fn overflow(&self, entry: &MeshEntry, triangle: &ObjTriangle) -> Error {
-        let moved = triangle.positions.map(|point| entry.transform.point(point));
-        let reach = moved.into_iter().map(|point| point.abs().max_element()).fold(0.0, f64::max);
-        let message = format!("the mesh's transform moves a corner to {reach:e}; allowed are coordinates up to 1e100");
-        Error::scene(self.path, entry.line, message)
+    fn finish(mut self) -> RawScene {
+        self.raw.files = self.named.into_iter().map(PathBuf::from).collect();
+        self.raw
+    }
+
+    /// Places the meshes, each of the OBJ file of that number.
+    fn place_all(&mut self, meshes: &[MeshEntry], files: &[usize], need: &Need) -> Result<()> {
+        let line = meshes.last().map_or(0, |entry| entry.line);
+        let what = format!("memory for {} triangles", need.triangles);
+        let bytes = need.triangles.saturating_mul(TRIANGLE_BYTES).saturating_add(need.smooth * CORNERS_BYTES);
+        check_memory(self.path, line, &what, bytes)?;
+        let refused = |_| Error::scene(self.path, line, format!("{what} cannot be had"));
+        self.raw.triangles.try_reserve_exact(need.triangles as usize).map_err(refused)?;
+        self.raw.corners.try_reserve_exact(need.smooth as usize).map_err(refused)?;
+        for (entry, &file) in meshes.iter().zip(files) {
+            let materials = match &entry.material {
+                Some((name, line)) => Materials::Whole(self.whole_mesh_material(name, *line, file)?),
+                None => Materials::Parts(self.take_part_materials(file)?),
+            };
+            self.place(entry, file, &materials)?;
+            if let Materials::Parts(materials) = materials {
+                self.sources[file].materials = Some(materials);
+            }
+        }
+        Ok(())
+    }
+
+    /// Materials of a file's parts, looked up once; taken from the file while they are used.
+    fn take_part_materials(&mut self, file: usize) -> Result<Vec<u32>> {
+        if let Some(materials) = self.sources[file].materials.take() {
+            return Ok(materials);
+        }
+        let count = self.sources[file].mesh.parts.len();
+        let mut materials = Vec::with_capacity(count);
+        for part in 0..count {
+            let of = &self.sources[file].mesh.parts[part];
+            // A part without faces needs no material, but a name that is nowhere defined is refused all the same.
+            let unused = of.faces == 0 && of.name.is_empty();
+            materials.push(if unused { 0 } else { self.part_material(file, part)? });
+        }
+        Ok(materials)
+    }
+
+    fn place(&mut self, entry: &MeshEntry, file: usize, materials: &Materials) -> Result<()> {
+        let mesh = &self.sources[file].mesh;
+        // One material makes one part of the whole mesh, smooth only where all of it has normals.
+        let smooth = matches!(materials, Materials::Parts(_)) || mesh.all_normals;
+        let mut zero_normals = 0;
+        let corners_of = |triangle: &ObjTriangle| mesh.corners.get(triangle.corners as usize).filter(|_| smooth);
+        let raw = &mut self.raw;
+        let path = self.path;
+        in_batches(
+            &mesh.triangles,
+            |_, triangles| PlacedPart::of(entry, triangles, materials, corners_of),
+            |part| {
+                if let Some(triangle) = part.overflows {
+                    return Err(overflow(path, entry, &triangle));
+                }
+                let first = raw.corners.len() as u32;
+                raw.corners.extend(part.corners);
+                raw.triangles.extend(part.triangles.into_iter().map(|triangle| match triangle.corners {
+                    NO_INDEX => triangle,
+                    corners => RawTriangle { corners: first + corners, ..triangle },
+                }));
+                raw.degenerate += part.degenerate;
+                zero_normals += part.zero_normals;
+                Ok(())
+            },
+        )?;
+        if zero_normals > 0 {
+            raw.warnings.add("normals of length 0", || {
+                let path = quote::path(&mesh.path);
+                format!("{path}: {zero_normals} corners have a normal of length 0 and take that of their triangle")
+            });
+        }
+        Ok(())
     }
 
     /// The material that a `[[mesh]]` names for all its faces: the scene's own, or else the MTL file's.
-    fn whole_mesh_material(
-        &mut self,
-        name: &str,
-        line: usize,
-        mesh: &ObjMesh,
-        library: Option<&Library>,
-    ) -> Result<u32> {
-        if let Some(entry) = self.materials.iter().find(|material| material.name == name) {
+    fn whole_mesh_material(&mut self, name: &str, line: usize, file: usize) -> Result<u32> {
+        if let Some(&material) = self.material_of_name.get(name) {
+            let entry = &self.materials[material];
             let mut recipe = Recipe::default();
             entry.apply(&mut recipe);
             self.touched.insert(&entry.name);
             return Ok(self.material((None, name.to_owned()), recipe));
         }
-        if let Some(recipe) = library.and_then(|library| library.find(name)) {
-            return Ok(self.material((Some(mesh.path.clone()), name.to_owned()), recipe.clone()));
+        let key = (Some(file), name.to_owned());
+        if let Some(&known) = self.index.get(&key) {
+            return Ok(known);
         }
-        let of_library = library.iter().flat_map(|library| &library.recipes).map(|(known, _)| known.as_str());
-        let of_scene = self.materials.iter().map(|material| material.name.as_str());
-        let allowed = match nearest(name, of_scene.chain(of_library)) {
+        let library = self.sources[file].library.as_ref();
+        let found = library.and_then(|library| self.libraries.find(library, name, &mut self.raw.warnings));
+        if let Some(recipe) = found.cloned() {
+            return Ok(self.material(key, recipe));
+        }
+        let allowed = match nearest(name, self.known_names(library)) {
             Some(nearest) => format!("the nearest that is defined is {}", quoted(nearest)),
             None => "none is defined by [material.NAME] or the mesh's MTL file".to_owned(),
         };
         Err(Error::scene(self.path, line, format!("material {}: no such material; {allowed}", quoted(name))))
     }
 
+    /// Names of the scene's materials and of those in the MTL files.
+    fn known_names<'b>(&'b self, library: Option<&'b Library>) -> impl Iterator<Item = &'b str> {
+        let of_scene = self.materials.iter().map(|material| material.name.as_str());
+        of_scene.chain(library.into_iter().flat_map(|library| self.libraries.names(library)))
+    }
+
     /// The material of one part of an OBJ file, as MTL file and scene define it together.
-    fn part_material(
-        &mut self,
-        mesh: &ObjMesh,
-        part: &super::obj_scan::Part,
-        library: Option<&Library>,
-    ) -> Result<u32> {
-        let defined = library.and_then(|library| library.find(&part.name));
-        let changed = self.materials.iter().find(|material| material.name == part.name);
-        if defined.is_none() && changed.is_none() && !part.name.is_empty() {
-            let of_library = library.iter().flat_map(|library| &library.recipes).map(|(name, _)| name.as_str());
-            let of_scene = self.materials.iter().map(|material| material.name.as_str());
-            return Err(mesh.unknown_material(part, of_library.chain(of_scene)));
+    fn part_material(&mut self, file: usize, part: usize) -> Result<u32> {
+        let source = &self.sources[file];
+        let part = &source.mesh.parts[part];
+        let library = source.library.as_ref();
+        let found = library.and_then(|library| self.libraries.find(library, &part.name, &mut self.raw.warnings));
+        let changed = self.material_of_name.get(part.name.as_str()).map(|&material| &self.materials[material]);
+        if found.is_none() && changed.is_none() && !part.name.is_empty() {
+            return Err(source.mesh.unknown_material(part, self.known_names(library)));
         }
-        let mut recipe = defined.cloned().unwrap_or_default();
+        let mut recipe = found.cloned().unwrap_or_default();
         if let Some(entry) = changed {
             entry.apply(&mut recipe);
             self.touched.insert(&entry.name);
         }
-        Ok(self.material((Some(mesh.path.clone()), part.name.clone()), recipe))
+        let key = (Some(file), part.name.clone());
+        Ok(self.material(key, recipe))
     }
 
-    fn material(&mut self, key: (Option<PathBuf>, String), recipe: Recipe) -> u32 {
+    fn material(&mut self, key: (Option<usize>, String), recipe: Recipe) -> u32 {
         let materials = &mut self.raw.materials;
         let name = key.1.clone();
         *self.index.entry(key).or_insert_with(|| {
             materials.push((name, recipe));
             (materials.len() - 1) as u32
         })
+    }
+}
+
+/// The refusal of a triangle that the mesh's transform moves out of range.
+fn overflow(path: &Path, entry: &MeshEntry, triangle: &ObjTriangle) -> Error {
+    let moved = triangle.positions.map(|point| entry.transform.point(point));
+    let reach = moved.into_iter().map(|point| point.abs().max_element()).fold(0.0, f64::max);
+    let message = format!("the mesh's transform moves a corner to {reach:e}; allowed are coordinates up to 1e100");
+    Error::scene(path, entry.line, message)
+}
+
+/// Materials of a mesh.
+enum Materials {
+    /// One for all faces.
+    Whole(u32),
+    /// One for each part of the OBJ file.
+    Parts(Vec<u32>),
+}
+
+impl Materials {
+    fn of_part(&self, part: u32) -> u32 {
+        match self {
+            Materials::Whole(material) => *material,
+            Materials::Parts(materials) => materials[part as usize],
+        }
     }
 }
 
@@ -258,7 +389,7 @@ impl PlacedPart {
     fn of<'c>(
         entry: &MeshEntry,
         triangles: &[ObjTriangle],
-        material_of_part: &[u32],
+        materials: &Materials,
         corners_of: impl Fn(&ObjTriangle) -> Option<&'c ObjCorners>,
     ) -> PlacedPart {
         let mut part = PlacedPart { triangles: Vec::with_capacity(triangles.len()), ..PlacedPart::default() };
@@ -278,7 +409,7 @@ impl PlacedPart {
                 part.corners.push(corners);
                 (part.corners.len() - 1) as u32
             });
-            let material = material_of_part[triangle.part as usize];
+            let material = materials.of_part(triangle.part);
             part.triangles.push(RawTriangle { positions, material, corners });
         }
         part

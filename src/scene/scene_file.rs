@@ -16,7 +16,8 @@ use std::path::{Path, PathBuf};
 use glam::{DMat3, DVec3};
 
 use super::recipe::{Quantity, Recipe};
-use super::toml_table::{Entry, Table, parse};
+use super::source_text::check_memory;
+use super::toml_table::{Entry, Source, Table};
 use super::transform::{Transform, rotation};
 use super::{Camera, FilmSettings, Filter, RenderDefaults};
 use crate::Result;
@@ -74,9 +75,11 @@ impl MaterialEntry {
 
 /// Reads `text`, which `path` holds.
 pub(super) fn read(path: &Path, text: &str) -> Result<SceneFile> {
-    let parsed = parse(path, text)?;
+    check_memory(path, 0, "its tables", need(text))?;
+    let source = Source::new(path, text);
+    let parsed = source.parse()?;
     let known = ["camera", "film", "render", "mesh", "material", "environment"];
-    let root = Table::root(path, text, &parsed, &known)?;
+    let root = Table::root(&source, &parsed, &known)?;
     let camera = root.need("camera")?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let meshes = match root.get("mesh") {
@@ -100,6 +103,11 @@ pub(super) fn read(path: &Path, text: &str) -> Result<SceneFile> {
         materials,
         sky: root.get("environment").map_or(Ok(None), |environment| read_sky(&environment).map(Some))?,
     })
+}
+
+/// Bytes that the tables of a text take at the most: TBD.
+fn need(text: &str) -> u64 {
+    text.len() as u64 * 40
 }
 
 /// The film of a scene that does not say.

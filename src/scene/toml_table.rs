@@ -11,13 +11,13 @@ use toml::de::{DeTable, DeValue};
 
 use super::nearest::nearest;
 use super::number::MAX_MAGNITUDE;
-use super::source_text::quoted;
+use crate::quote::{self, quoted};
 use crate::{Error, Result};
 
 /// One table.
 #[derive(Clone, Copy)]
 pub(super) struct Table<'a> {
-    source: Source<'a>,
+    source: &'a Source<'a>,
     /// As messages name it: `[camera]`.
     name: &'a str,
     /// Its line, from 1.
@@ -25,46 +25,67 @@ pub(super) struct Table<'a> {
     entries: &'a DeTable<'a>,
 }
 
-/// The file that a table stands in.
-#[derive(Clone, Copy)]
-struct Source<'a> {
+/// Bytes of text between two entries of the table of line numbers.
+const STRIDE: usize = 1 << 12;
+/// Longest message of the TOML parser that is passed on, in characters.
+const MESSAGE: usize = 120;
+
+/// The file that tables stand in.
+pub(super) struct Source<'a> {
     path: &'a Path,
     text: &'a str,
+    /// Line feeds before every [`STRIDE`]th byte: to count them from the start for every key would take the square of
+    /// the file's length.
+    line_feeds: Vec<usize>,
 }
 
-impl Source<'_> {
-    fn line(&self, offset: usize) -> usize {
-        1 + self.text.as_bytes().iter().take(offset).filter(|&&byte| byte == b'\n').count()
+impl<'a> Source<'a> {
+    /// The file `path` with this text.
+    pub(super) fn new(path: &'a Path, text: &'a str) -> Source<'a> {
+        let mut line_feeds = Vec::with_capacity(text.len() / STRIDE + 1);
+        let mut count = 0;
+        for chunk in text.as_bytes().chunks(STRIDE) {
+            line_feeds.push(count);
+            count += newlines(chunk);
+        }
+        Source { path, text, line_feeds }
     }
+
+    /// Line, from 1, of the byte at `offset`.
+    fn line(&self, offset: usize) -> usize {
+        let offset = offset.min(self.text.len());
+        let before = self.line_feeds.get(offset / STRIDE).copied().unwrap_or(0);
+        1 + before + newlines(&self.text.as_bytes()[offset / STRIDE * STRIDE..offset])
+    }
+
+    /// The text as TOML.
+    pub(super) fn parse(&self) -> Result<Spanned<DeTable<'a>>> {
+        DeTable::parse(self.text).map_err(|error| {
+            let line = error.span().map_or(0, |span| self.line(span.start));
+            let message = quote::cut(&error.message().replace('\n', "; "), MESSAGE);
+            Error::scene(self.path, line, format!("not valid TOML: {message}"))
+        })
+    }
+}
+
+fn newlines(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|&&byte| byte == b'\n').count()
 }
 
 /// A value with its key.
 #[derive(Clone, Copy)]
 pub(super) struct Entry<'a> {
-    source: Source<'a>,
+    source: &'a Source<'a>,
     key: &'a str,
     /// Line of the value, from 1.
     pub line: usize,
     value: &'a Spanned<DeValue<'a>>,
 }
 
-/// Parses `text`, which `path` holds.
-pub(super) fn parse<'a>(path: &Path, text: &'a str) -> Result<Spanned<DeTable<'a>>> {
-    DeTable::parse(text).map_err(|error| {
-        let line = error.span().map_or(0, |span| Source { path, text }.line(span.start));
-        Error::scene(path, line, format!("not valid TOML: {}", error.message().replace('\n', "; ")))
-    })
-}
-
 impl<'a> Table<'a> {
     /// The whole file as a table.
-    pub(super) fn root(
-        path: &'a Path,
-        text: &'a str,
-        root: &'a Spanned<DeTable<'a>>,
-        known: &[&str],
-    ) -> Result<Table<'a>> {
-        let table = Table { source: Source { path, text }, name: "the file", line: 1, entries: root.get_ref() };
+    pub(super) fn root(source: &'a Source<'a>, root: &'a Spanned<DeTable<'a>>, known: &[&str]) -> Result<Table<'a>> {
+        let table = Table { source, name: "the file", line: 1, entries: root.get_ref() };
         table.refuse_unknown(known)
     }
 
@@ -141,14 +162,10 @@ impl<'a> Entry<'a> {
 
     /// The value as the file has it, on one line and cut after 40 characters.
     fn written(&self) -> String {
-        let span = self.value.span();
-        let text = self.source.text.get(span).unwrap_or_default();
-        let mut line = text.split_ascii_whitespace().collect::<Vec<_>>().join(" ");
-        if let Some((end, _)) = line.char_indices().nth(40) {
-            line.truncate(end);
-            line.push('…');
-        }
-        line
+        let text = self.source.text.get(self.value.span()).unwrap_or_default();
+        // More words than characters that are shown need not be joined.
+        let words = text.split_ascii_whitespace().take(quote::MOST_SHOWN).collect::<Vec<_>>();
+        quote::shown(&words.join(" "))
     }
 
     /// A table, opened with the keys that it may have.
