@@ -29,6 +29,25 @@ pub fn escaped_lines(text: &str) -> Cow<'_, str> {
     escaped_but(text, |character| matches!(character, '\n' | '\t'))
 }
 
+/// A JSON document of several lines, hidden characters in its strings as escapes of JSON.
+pub fn escaped_json(text: &str) -> Cow<'_, str> {
+    let hidden = |character: char| is_hidden(character) && character != '\n';
+    if !text.contains(hidden) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    for character in text.chars() {
+        if !hidden(character) {
+            shown.push(character);
+            continue;
+        }
+        for unit in character.encode_utf16(&mut [0; 2]) {
+            shown.push_str(&format!("\\u{unit:04x}"));
+        }
+    }
+    Cow::Owned(shown)
+}
+
 fn escaped_but(text: &str, kept: impl Fn(char) -> bool) -> Cow<'_, str> {
     let hidden = |character: char| is_hidden(character) && !kept(character);
     if !text.contains(hidden) {
@@ -101,6 +120,7 @@ mod tests {
         }
         assert_eq!(escaped("a\u{1b}[31m\n"), "a\\u{1b}[31m\\u{a}");
         assert_eq!(escaped_lines("a\u{1b}[31m\n\tb"), "a\\u{1b}[31m\n\tb");
+        assert_eq!(escaped_json("{\n\"a\": \"\u{9b}\u{e0001}\"}"), "{\n\"a\": \"\\u009b\\udb40\\udc01\"}");
         assert!(matches!(escaped("grün, 灰色, é"), Cow::Borrowed(_)));
     }
 }
