@@ -21,8 +21,8 @@ use crate::{Error, Result, memory};
 const MOST_PARTS: usize = 4096;
 /// Longest name of an attribute, its zero included.
 const LONGEST_NAME: u64 = 256;
-/// Bytes of memory for a byte of the headers: a part is two kilobytes and more, of a header of a hundred.
-const HEADER_BYTES: u64 = 64;
+/// Bytes of memory for a byte of the headers: names and values are kept several times, each with room to spare.
+const HEADER_BYTES: u64 = 192;
 /// Bytes of memory for a chunk: its place in the file, twice, and in the picture.
 const CHUNK_BYTES: u64 = 160;
 /// Bytes of memory for a pixel of the picture and of its variance, as they are handed on.

@@ -20,7 +20,7 @@ use super::source_text::{Folders, Named, check_memory};
 use super::warnings::Warnings;
 use crate::interface::NO_INDEX;
 use crate::quote::{self, quoted};
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 
 /// A normal this close to the geometric one shades as the flat triangle does, so the triangle needs none.
 const SAME_NORMAL: f64 = 1e-6;
@@ -119,7 +119,7 @@ const CORNERS_BYTES: u64 = (size_of::<RawCorners>() + size_of::<super::Corners>(
 const TREE_BYTES: u64 = 200;
 
 impl Need {
-    /// Adds a mesh, or refuses it where its triangles and those above it are more than memory can hold.
+    /// Adds a mesh. Refuses more triangles than can be numbered.
     fn add(&mut self, path: &Path, entry: &MeshEntry, mesh: &ObjMesh) -> Result<()> {
         self.triangles += mesh.triangles.len() as u64;
         self.smooth += mesh.corners.len() as u64;
@@ -128,6 +128,11 @@ impl Need {
             return Err(Error::scene(path, entry.line, message));
         }
         Ok(())
+    }
+
+    /// Bytes of memory.
+    fn bytes(&self) -> u64 {
+        self.triangles.saturating_mul(TRIANGLE_BYTES).saturating_add(self.smooth.saturating_mul(CORNERS_BYTES))
     }
 }
 
@@ -218,10 +223,9 @@ impl<'a> Assembly<'a> {
 
     /// Places the meshes, each of the OBJ file of that number.
     fn place_all(&mut self, meshes: &[MeshEntry], files: &[usize], need: &Need) -> Result<()> {
-        let line = meshes.last().map_or(0, |entry| entry.line);
+        let line = self.exceeding(meshes, files)?;
         let what = format!("memory for {} triangles", need.triangles);
-        let bytes = need.triangles.saturating_mul(TRIANGLE_BYTES).saturating_add(need.smooth * CORNERS_BYTES);
-        check_memory(self.path, line, &what, bytes)?;
+        check_memory(self.path, line, &what, need.bytes())?;
         let refused = |_| Error::scene(self.path, line, format!("{what} cannot be had"));
         self.raw.triangles.try_reserve_exact(need.triangles as usize).map_err(refused)?;
         self.raw.corners.try_reserve_exact(need.smooth as usize).map_err(refused)?;
@@ -236,6 +240,19 @@ impl<'a> Assembly<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Line of the mesh with which memory is exceeded; 0 where none is.
+    fn exceeding(&self, meshes: &[MeshEntry], files: &[usize]) -> Result<usize> {
+        let Some((have, _)) = memory::available() else { return Ok(0) };
+        let mut need = Need::default();
+        for (entry, &file) in meshes.iter().zip(files) {
+            need.add(self.path, entry, &self.sources[file].mesh)?;
+            if need.bytes() > have {
+                return Ok(entry.line);
+            }
+        }
+        Ok(0)
     }
 
     /// Materials of a file's parts, looked up once; taken from the file while they are used.

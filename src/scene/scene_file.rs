@@ -75,8 +75,8 @@ impl MaterialEntry {
 
 /// Reads `text`, which `path` holds.
 pub(super) fn read(path: &Path, text: &str) -> Result<SceneFile> {
-    check_memory(path, 0, "its tables", need(text))?;
     let source = Source::new(path, text);
+    check_memory(path, 0, "its tables", source.memory_bytes())?;
     let parsed = source.parse()?;
     let known = ["camera", "film", "render", "mesh", "material", "environment"];
     let root = Table::root(&source, &parsed, &known)?;
@@ -103,11 +103,6 @@ pub(super) fn read(path: &Path, text: &str) -> Result<SceneFile> {
         materials,
         sky: root.get("environment").map_or(Ok(None), |environment| read_sky(&environment).map(Some))?,
     })
-}
-
-/// Bytes that the tables of a text take at the most: TBD.
-fn need(text: &str) -> u64 {
-    text.len() as u64 * 40
 }
 
 /// The film of a scene that does not say.
