@@ -46,18 +46,21 @@ pub fn available() -> Option<(u64, Bound)> {
     bounds.into_iter().filter_map(|(bytes, bound)| Some((bytes?, bound))).min_by_key(|(bytes, _)| *bytes)
 }
 
+/// Bytes that are left to everything that is too small to be checked.
+const HEADROOM: u64 = 16 << 20;
 /// Needs up to this many bytes are granted from [`SPARE`].
 const SMALL: u64 = 1 << 20;
 /// What the last look at the limits left over for small needs: to look takes longer than to read a small file.
 static SPARE: AtomicU64 = AtomicU64::new(0);
 
-/// Refuses `what` where it needs more bytes than are available.
+/// Refuses `what` where it needs more bytes than are available, less a little for what nobody checks.
 pub fn check(what: &str, need: u64) -> Result<()> {
     let take = |spare: u64| spare.checked_sub(need);
     if need <= SMALL && SPARE.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok() {
         return Ok(());
     }
-    match available() {
+    let free = available().map(|(have, bound)| (have.saturating_sub(HEADROOM), bound));
+    match free {
         Some((have, bound)) if need > have => Err(limit(what, need, &left(have, bound))),
         Some((have, _)) => {
             SPARE.store((have - need) / 16, Ordering::Relaxed);

@@ -59,7 +59,7 @@ impl Census {
     ///
     /// The scan keeps 24 a position. `tobj` keeps 48 a position or normal and 32 a texture coordinate; 208 a face and 24
     /// a corner of its own, and of each corner at most a position, an index and an entry of a map (24 + 8 + 40, twice
-    /// where the list grows), as much again for normals and texture coordinates where there are any; 1024 a change of
+    /// where the list grows), as much again for normals and texture coordinates where there are any; 1280 a change of
     /// material, for its name, mesh and map.
     pub(super) fn obj_bytes(&self) -> u64 {
         let lists = 1 + usize::from(self.uvs > 0) + usize::from(self.normals > 0);
@@ -75,7 +75,7 @@ impl Census {
             (self.corners, 24 + 16 * lists),
             (points, 112 * lists),
             (self.triangles(), size_of::<ObjTriangle>() + smooth),
-            (self.materials, 1024),
+            (self.materials, 1280),
             (self.names, NAME_BYTES),
         ])
     }
