@@ -12,8 +12,9 @@ use glam::{DVec2, DVec3};
 use super::batches::in_batches;
 use super::library::{Libraries, Library};
 use super::nearest::nearest;
-use super::number::in_range;
-use super::obj_mesh::{ObjCorners, ObjMesh, ObjTriangle};
+use super::need::Need;
+use super::obj_mesh::{ObjMesh, ObjTriangle};
+use super::placement::{Materials, PlacedPart, overflow};
 use super::recipe::Recipe;
 use super::scene_file::{MaterialEntry, MeshEntry};
 use super::source_text::{Folders, Named, check_memory};
@@ -21,12 +22,6 @@ use super::warnings::Warnings;
 use crate::interface::NO_INDEX;
 use crate::quote::{self, quoted};
 use crate::{Error, Result, memory};
-
-/// A normal this close to the geometric one shades as the flat triangle does, so the triangle needs none.
-const SAME_NORMAL: f64 = 1e-6;
-
-/// Most triangles: their indices and those of their corners are kept as `u32`.
-const MOST_TRIANGLES: u64 = (1 << 31) - 1;
 
 /// Triangles and materials in file units.
 #[derive(Default)]
@@ -101,39 +96,6 @@ pub(super) fn assemble_bare(path: &Path) -> Result<RawScene> {
     assembly.read_library(file)?;
     assembly.place_all(&[entry], &[file], &need)?;
     Ok(assembly.finish())
-}
-
-/// What the placed meshes take.
-#[derive(Default)]
-struct Need {
-    triangles: u64,
-    smooth: u64,
-}
-
-/// Bytes that a triangle takes at the most at a time: in the scene's own units, then scaled, with its share of the tree
-/// that is built over it and of the texels that are made of both.
-const TRIANGLE_BYTES: u64 = (size_of::<RawTriangle>() + size_of::<super::Triangle>()) as u64 + TREE_BYTES;
-/// Bytes that the corners of a smooth triangle take beside it.
-const CORNERS_BYTES: u64 = (size_of::<RawCorners>() + size_of::<super::Corners>()) as u64;
-/// Bytes of a triangle's share of the tree, while it is built, and of its texels beyond what the raw triangle took.
-const TREE_BYTES: u64 = 200;
-
-impl Need {
-    /// Adds a mesh. Refuses more triangles than can be numbered.
-    fn add(&mut self, path: &Path, entry: &MeshEntry, mesh: &ObjMesh) -> Result<()> {
-        self.triangles += mesh.triangles.len() as u64;
-        self.smooth += mesh.corners.len() as u64;
-        if self.triangles > MOST_TRIANGLES {
-            let message = format!("more than {MOST_TRIANGLES} triangles; allowed are as many");
-            return Err(Error::scene(path, entry.line, message));
-        }
-        Ok(())
-    }
-
-    /// Bytes of memory.
-    fn bytes(&self) -> u64 {
-        self.triangles.saturating_mul(TRIANGLE_BYTES).saturating_add(self.smooth.saturating_mul(CORNERS_BYTES))
-    }
 }
 
 /// What placing the meshes has led to so far.
@@ -364,131 +326,4 @@ impl<'a> Assembly<'a> {
             (materials.len() - 1) as u32
         })
     }
-}
-
-/// The refusal of a triangle that the mesh's transform moves out of range.
-fn overflow(path: &Path, entry: &MeshEntry, triangle: &ObjTriangle) -> Error {
-    let moved = triangle.positions.map(|point| entry.transform.point(point));
-    let reach = moved.into_iter().map(|point| point.abs().max_element()).fold(0.0, f64::max);
-    let message = format!("the mesh's transform moves a corner to {reach:e}; allowed are coordinates up to 1e100");
-    Error::scene(path, entry.line, message)
-}
-
-/// Materials of a mesh.
-enum Materials {
-    /// One for all faces.
-    Whole(u32),
-    /// One for each part of the OBJ file.
-    Parts(Vec<u32>),
-}
-
-impl Materials {
-    fn of_part(&self, part: u32) -> u32 {
-        match self {
-            Materials::Whole(material) => *material,
-            Materials::Parts(materials) => materials[part as usize],
-        }
-    }
-}
-
-/// Triangles of a mesh, placed; `corners` of a triangle count from the part's first.
-#[derive(Default)]
-struct PlacedPart {
-    triangles: Vec<RawTriangle>,
-    corners: Vec<RawCorners>,
-    degenerate: usize,
-    zero_normals: usize,
-    /// The first triangle with a corner out of range; those after it are not placed.
-    overflows: Option<ObjTriangle>,
-}
-
-impl PlacedPart {
-    fn of<'c>(
-        entry: &MeshEntry,
-        triangles: &[ObjTriangle],
-        materials: &Materials,
-        corners_of: impl Fn(&ObjTriangle) -> Option<&'c ObjCorners>,
-    ) -> PlacedPart {
-        let mut part = PlacedPart { triangles: Vec::with_capacity(triangles.len()), ..PlacedPart::default() };
-        for triangle in triangles {
-            let positions = placed(entry, triangle);
-            if !positions.into_iter().all(in_range) {
-                part.overflows = Some(*triangle);
-                break;
-            }
-            let Some(front) = unit_normal(positions) else {
-                part.degenerate += 1;
-                continue;
-            };
-            let placed =
-                corners_of(triangle).and_then(|corners| placed_corners(entry, corners, front, &mut part.zero_normals));
-            let corners = placed.map_or(NO_INDEX, |corners| {
-                part.corners.push(corners);
-                (part.corners.len() - 1) as u32
-            });
-            let material = materials.of_part(triangle.part);
-            part.triangles.push(RawTriangle { positions, material, corners });
-        }
-        part
-    }
-}
-
-/// Positions in the scene.
-fn placed(entry: &MeshEntry, triangle: &ObjTriangle) -> [DVec3; 3] {
-    let [a, b, c] = triangle.positions.map(|position| entry.transform.point(position));
-    // A mirrored triangle turns the other way round: two corners are swapped to keep its front.
-    if entry.transform.mirrors() { [a, c, b] } else { [a, b, c] }
-}
-
-/// Unit normal of a triangle of any size, or nothing where its area is zero.
-pub(super) fn unit_normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
-    let (ab, ac) = (b - a, c - a);
-    // Scaled by a power of two, as products of the smallest legal edges would vanish.
-    let size = ab.abs().max(ac.abs()).max_element();
-    if size == 0.0 {
-        return None;
-    }
-    let scale = super::normalise::power_of_two(-super::normalise::exponent(size));
-    (ab * scale).cross(ac * scale).try_normalize()
-}
-
-/// The unit vector nearest to `normal` on the side of `front`; both are unit vectors.
-fn onto_front(normal: DVec3, front: DVec3) -> DVec3 {
-    let height = normal.dot(front);
-    if height >= 0.0 {
-        return normal;
-    }
-    (normal - height * front).try_normalize().unwrap_or(front)
-}
-
-/// Unit normals on the side of the front, or nothing where all of them are the triangle's own.
-fn placed_corners(
-    entry: &MeshEntry,
-    corners: &ObjCorners,
-    front: DVec3,
-    zero_normals: &mut usize,
-) -> Option<RawCorners> {
-    let mut normals = corners.normals.map(|normal| {
-        let size = normal.abs().max_element();
-        let turned = if size > 0.0 { entry.transform.normal(normal / size).try_normalize() } else { None };
-        turned.unwrap_or_else(|| {
-            *zero_normals += 1;
-            front
-        })
-    });
-    // Normals of the wrong sign are so for the triangle as a whole: turned corner by corner, those of a triangle on a
-    // silhouette would point to opposite sides.
-    if (normals[0] + normals[1] + normals[2]).dot(front) < 0.0 {
-        normals = normals.map(|normal| -normal);
-    }
-    normals = normals.map(|normal| onto_front(normal, front));
-    if normals.iter().all(|&normal| (normal - front).abs().max_element() <= SAME_NORMAL) {
-        return None;
-    }
-    let mut uvs = corners.uvs;
-    if entry.transform.mirrors() {
-        normals.swap(1, 2);
-        uvs.swap(1, 2);
-    }
-    Some(RawCorners { normals, uvs })
 }

@@ -6,10 +6,10 @@
 //! by a power of two so that the brightest emission lies in [1, 2). Both scalings are exact and undone at output.
 //!
 //! ```text
-//! scene_file (toml_table, nearest)     what a .toml scene says, with lines
+//! scene_file (toml_source, toml_table) what a .toml scene says, with lines
 //! obj_scan, mtl_scan (recipe, number)  own every refusal of OBJ and MTL; census says what memory they ask for
 //!   → obj_mesh, library                tobj builds triangles in file order; the MTL files, each read once
-//!   → assemble (transform)             meshes placed, materials by name, f64
+//!   → assemble (need, placement)       meshes placed by their transforms, materials by name, f64
 //!   → normalise                        scaled units, f32
 //! ```
 
@@ -22,14 +22,18 @@ mod load;
 pub mod material;
 mod mtl_scan;
 mod nearest;
+mod need;
 pub(crate) mod normalise;
 mod number;
 mod obj_mesh;
 mod obj_scan;
+mod obj_words;
+mod placement;
 mod polygon;
 mod recipe;
 mod scene_file;
 mod source_text;
+mod toml_source;
 mod toml_table;
 mod transform;
 mod warnings;

@@ -6,7 +6,7 @@
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-use super::obj_scan::rest;
+use super::obj_words::rest;
 use super::recipe::{Quantity, Recipe};
 use super::warnings::Warnings;
 use crate::quote::{self, quoted};

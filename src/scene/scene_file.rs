@@ -17,7 +17,8 @@ use glam::{DMat3, DVec3};
 
 use super::recipe::{Quantity, Recipe};
 use super::source_text::check_memory;
-use super::toml_table::{Entry, Source, Table};
+use super::toml_source::Source;
+use super::toml_table::{Entry, Table};
 use super::transform::{Transform, rotation};
 use super::{Camera, FilmSettings, Filter, RenderDefaults};
 use crate::Result;
