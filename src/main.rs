@@ -27,6 +27,7 @@ fn main() -> ExitCode {
     let started = Instant::now();
     // Before anything can begin a thread.
     texray::gpu::prefer_many_driver_threads();
+    cli::process::limit_threads();
     // A panic is a bug of texray; its message is printed by the panic hook.
     let code = match catch_unwind(AssertUnwindSafe(|| cli::run(started))) {
         Ok(Ok(Outcome::Done)) => 0,

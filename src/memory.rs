@@ -70,6 +70,18 @@ pub fn check(what: &str, need: u64) -> Result<()> {
     }
 }
 
+/// Address space that a thread takes at the most: its stack, and a heap of its own that the allocator sets aside.
+const THREAD_BYTES: u64 = 136 << 20;
+
+/// Threads that this process should begin: as many as there are cores, or fewer where a limit of the address space
+/// leaves less than four times what they take.
+pub fn threads() -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let [space, _] = limits_leave();
+    let fit = space.map_or(u64::MAX, |space| space / (4 * THREAD_BYTES)).max(1);
+    cores.min(usize::try_from(fit).unwrap_or(usize::MAX))
+}
+
 /// Refuses `what` where the allocator cannot give `count` items of `T`; nothing stays allocated.
 pub fn probe<T>(what: &str, count: usize) -> Result<()> {
     reserve(what, (size_of::<T>() as u64).saturating_mul(count as u64)).map(drop)
@@ -220,6 +232,11 @@ mod tests {
         assert_eq!(groups_leave("0::/a/b\n", root.path()), Some(650));
         assert_eq!(groups_leave("4:cpu,memory:/c/gone\n0::/a/b\n", root.path()), Some(407));
         assert_eq!(groups_leave("4:cpu:/c\n0::/elsewhere\n", root.path()), None);
+    }
+
+    #[test]
+    fn there_is_a_thread_at_least() {
+        assert!((1..=std::thread::available_parallelism().unwrap().get()).contains(&threads()));
     }
 
     #[test]

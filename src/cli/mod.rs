@@ -12,7 +12,7 @@ mod explain;
 mod limits;
 mod not_built;
 mod parse;
-mod process;
+pub mod process;
 mod progress;
 mod render;
 mod save;

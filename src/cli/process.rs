@@ -1,6 +1,18 @@
 //! What the system says about this process.
 //!
-//! Comes in: `/proc/self/status`. Goes out: peak memory and ignored signals, where there is such a file (Linux).
+//! Comes in: `/proc/self/status` and limits. Goes out: peak memory and ignored signals, where there is such a file
+//! (Linux); as many threads as the limits allow.
+
+/// Begins no more threads of the library than a limit of the address space has room for: without it, the first work
+/// for many threads would end in a panic. Without such a limit they begin when they are needed.
+pub fn limit_threads() {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = texray::memory::threads();
+    if threads < cores {
+        // Fails only where the threads are there already.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    }
+}
 
 /// Largest resident memory so far, in bytes.
 pub fn peak_rss_bytes() -> Option<u64> {

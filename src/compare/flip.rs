@@ -57,7 +57,7 @@ pub fn hdr(picture: &[[f32; 3]], reference: &[[f32; 3]], [width, height]: [usize
     if picture.len() != width * height || reference.len() != picture.len() || picture.is_empty() {
         return Err("the pictures have no pixels in common".into());
     }
-    memory::check("it", PIXEL_BYTES.saturating_mul(picture.len() as u64)).map_err(|error| error.to_string())?;
+    memory::check("memory", PIXEL_BYTES.saturating_mul(picture.len() as u64)).map_err(|error| error.to_string())?;
     let kept: Vec<bool> = picture.iter().zip(reference).map(|(a, b)| super::finite(a) && super::finite(b)).collect();
     let count = kept.iter().filter(|&&kept| kept).count();
     if count == 0 {

@@ -59,7 +59,8 @@ pub(super) fn check(path: &Path, input: &mut InputFile) -> Result<()> {
         let text = "the pixels of its header take at least";
         return Err(refused(format!("{text} {least} bytes of file, and it has {}", input.bytes)));
     }
-    let threads = std::thread::available_parallelism().map_or(1, usize::from) as u64 + 2;
+    // The reader keeps two blocks more than it has threads.
+    let threads = memory::threads() as u64 + 2;
     let need = headers.iter().map(|header| memory_bytes(header, threads)).fold(of_headers, u64::saturating_add);
     memory::check(&what("pixels by its header"), need.saturating_add(FIXED_BYTES))
 }
@@ -145,8 +146,8 @@ fn chunks(header: &Header) -> u128 {
     }
 }
 
-/// Least bytes of a file that holds what the header claims: a place, a head and a byte of each chunk, and the pixels
-/// compressed as well as can be.
+/// Least bytes of a file that holds what the header claims: a place and a head of each chunk, and the pixels compressed
+/// as well as can be, a byte of each chunk at least.
 fn least_bytes(header: &Header) -> u128 {
     let head = if header.blocks == BlockDescription::ScanLines { 8 } else { 20 };
     let area = |sampling: exr::math::Vec2<usize>| {
@@ -158,7 +159,8 @@ fn least_bytes(header: &Header) -> u128 {
         area(channel.sampling).saturating_mul(sample)
     });
     let pixels = of_channels.fold(0, u128::saturating_add);
-    chunks(header).saturating_mul(8 + head + 1).saturating_add(pixels / largest_ratio(header.compression))
+    let chunks = chunks(header);
+    chunks.saturating_mul(8 + head).saturating_add(chunks.max(pixels / largest_ratio(header.compression)))
 }
 
 /// How many bytes one byte of a chunk can become at the most.

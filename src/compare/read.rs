@@ -14,7 +14,7 @@ use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read as read_layers};
 use super::header::{check, unreadable};
 use crate::input_file::InputFile;
 use crate::quote::{self, quoted};
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 
 /// Layer of the per-pixel variance of the mean, a channel each, beside the picture's own.
 pub const VARIANCE_LAYER: &str = "variance";
@@ -100,6 +100,8 @@ fn channels(path: &Path) -> Result<BTreeMap<String, Channel>> {
     let mut input = InputFile::open(path).map_err(|reason| unreadable(path, &reason))?;
     check(path, &mut input)?;
     let reader = read_layers().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    // Under a limit of the address space the heaps of its threads would take what the pixels need.
+    let reader = if memory::threads() == cores() { reader } else { reader.non_parallel() };
     let image = reader.from_buffered(BufReader::new(input.file));
     let image = image.map_err(|error| unreadable(path, &error.to_string()))?;
     let mut channels = BTreeMap::new();
@@ -125,6 +127,10 @@ fn channels(path: &Path) -> Result<BTreeMap<String, Channel>> {
         }
     }
     Ok(channels)
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Layers that have R, G and B, or Y.
