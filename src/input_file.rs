@@ -1,9 +1,9 @@
 //! Files that are read: only regular ones, whose size is known before anything is allocated.
 //!
-//! Comes in: a path. Goes out: an [`InputFile`] or its bytes, or in a few words why there are none: the caller knows who
-//! names the file. A foundation below all stages, as [`crate::error`] is. A pipe without a writer, a terminal, a device
-//! or an endless file of the system never holds the program up: the file is opened without waiting, and what was opened,
-//! not the name, is looked at.
+//! Comes in: a path. Goes out: an [`InputFile`] or its bytes, or in a few words why there are none: the caller knows
+//! who names the file. A foundation below all stages, as [`crate::error`] is. A pipe without a writer, a terminal, a
+//! device or an endless file of the system never holds the program up: the file is opened without waiting, and what was
+//! opened, not the name, is looked at.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};

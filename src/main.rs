@@ -46,8 +46,8 @@ fn main() -> ExitCode {
         }
         Ok(Ok(Outcome::Signal(signal))) => SIGNAL.saturating_add(signal),
         Ok(Err(Failure::Arguments(error))) => {
-            // Help and version come this way too, with the code 0 and on stdout. Nothing can be told to a closed stream.
-            // An argument that steers a terminal is shown without the colours that clap would print.
+            // Help and version come this way too, with the code 0 and on stdout. Nothing can be told to a closed
+            // stream. An argument that steers a terminal is shown without the colours that clap would print.
             let steers = |argument: OsString| argument.to_string_lossy().contains(is_hidden);
             match error.use_stderr() && std::env::args_os().any(steers) {
                 true => say(error.to_string().trim_end()),

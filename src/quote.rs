@@ -10,8 +10,8 @@ use std::path::Path;
 /// Most characters of a value that are shown, escapes counted as they are written.
 pub const MOST_SHOWN: usize = 40;
 
-/// Whether a terminal obeys the character or shows nothing for it: controls (C0, DEL, C1), marks that turn the direction
-/// of writing, separators of lines, characters without width, and tags.
+/// Whether a terminal obeys the character or shows nothing for it: controls (C0, DEL, C1), marks that turn the
+/// direction of writing, separators of lines, characters without width, and tags.
 pub fn is_hidden(character: char) -> bool {
     character.is_control()
         || matches!(character,

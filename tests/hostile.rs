@@ -1,8 +1,8 @@
 //! Files of others: as large, as deep, as oddly named and as strange as they like.
 //!
 //! Comes in: files that are written here. Expected: time in proportion to their size, refusals before memory runs out,
-//! no character of theirs that steers a terminal, and no wait for what is no file. Limits of memory are set by the shell
-//! that starts the program, so these tests are for Linux, whose shells and limits they use.
+//! no character of theirs that steers a terminal, and no wait for what is no file. Limits of memory are set by the
+//! shell that starts the program, so these tests are for Linux, whose shells and limits they use.
 #![cfg(target_os = "linux")]
 
 use std::fmt::Write;
@@ -298,7 +298,8 @@ fn every_file_that_a_scene_names_is_listed() {
         (
             "s.toml",
             &format!(
-                "{CAMERA}[[mesh]]\nfile = \"a.obj\"\n[[mesh]]\nfile = \"b.obj\"\nmaterial = \"m\"\n[material.m]\nkd = [0, 0, 0]\n"
+                "{CAMERA}[[mesh]]\nfile = \"a.obj\"\n[[mesh]]\nfile = \"b.obj\"\nmaterial = \"m\"\n\
+                 [material.m]\nkd = [0, 0, 0]\n"
             ),
         ),
     ]);

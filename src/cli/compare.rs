@@ -19,9 +19,9 @@ use super::{Outcome, parse, streams};
 /// Hold a picture against a reference: relMSE, RMSE, PSNR, HDR-FLIP, a test of tiles, a difference image
 ///
 /// The exit code is 1 where a limit given by --max-relmse, --max-rmse, --min-psnr, --max-flip or --max-failed-tests is
-/// not kept. A pixel that is not finite in either picture is left out of the figures and counted; where it is finite
-/// in the other, no limit is kept. A test of tiles, of 16x16 pixels and a channel, is done where a file has the layer `variance` (render with --aov
-/// variance): it tells whether the difference is more than noise.
+/// not kept. A pixel that is not finite in either picture is left out of the figures and counted; where it is finite in
+/// the other, no limit is kept. A test of tiles, of 16x16 pixels and a channel, is done where a file has the layer
+/// `variance` (render with --aov variance): it tells whether the difference is more than noise.
 #[derive(Args)]
 pub struct CompareArgs {
     /// The picture, OpenEXR of any renderer

@@ -62,7 +62,8 @@ pub(super) struct RawCorners {
 
 /// Places `meshes`, which the scene file `path` lists beside `materials`.
 ///
-/// All files are read before anything is placed: what the scene asks for is known then, and refused where it is too much.
+/// All files are read before anything is placed: what the scene asks for is known then, and refused where it is too
+/// much.
 pub(super) fn assemble(path: &Path, meshes: &[MeshEntry], materials: &[MaterialEntry]) -> Result<RawScene> {
     let mut assembly = Assembly::new(path, materials);
     let mut files = Vec::with_capacity(meshes.len());

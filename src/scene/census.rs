@@ -1,7 +1,8 @@
 //! How many statements of each kind a text holds, counted before anything is made of them: what it will ask for.
 //!
-//! Comes in: the text of an OBJ or MTL file. Goes out: a [`Census`], and from it bytes of memory. The constants are sizes
-//! of what the stage and `tobj` keep of a statement, with the room that growing lists waste (up to as much again).
+//! Comes in: the text of an OBJ or MTL file. Goes out: a [`Census`], and from it bytes of memory. The constants are
+//! sizes of what the stage and `tobj` keep of a statement, with the room that growing lists waste (up to as much
+//! again).
 
 use super::obj_mesh::{ObjCorners, ObjTriangle};
 
@@ -57,10 +58,10 @@ impl Census {
 
     /// Bytes that reading the text of an OBJ file takes beside the text and its canonical form.
     ///
-    /// The scan keeps 24 a position. `tobj` keeps 48 a position or normal and 32 a texture coordinate; 208 a face and 24
-    /// a corner of its own, and of each corner at most a position, an index and an entry of a map (24 + 8 + 40, twice
-    /// where the list grows), as much again for normals and texture coordinates where there are any; 1280 a change of
-    /// material, for its name, mesh and map.
+    /// The scan keeps 24 a position. `tobj` keeps 48 a position or normal and 32 a texture coordinate; 208 a face and
+    /// 24 a corner of its own, and of each corner at most a position, an index and an entry of a map (24 + 8 + 40,
+    /// twice where the list grows), as much again for normals and texture coordinates where there are any; 1280 a
+    /// change of material, for its name, mesh and map.
     pub(super) fn obj_bytes(&self) -> u64 {
         let lists = 1 + usize::from(self.uvs > 0) + usize::from(self.normals > 0);
         // A corner that shares its position with others adds an index alone.
@@ -80,8 +81,8 @@ impl Census {
         ])
     }
 
-    /// Bytes that reading the text of an MTL file takes beside the text: 640 a material (its recipe while it is read and
-    /// after, its name twice, entries of two maps).
+    /// Bytes that reading the text of an MTL file takes beside the text: 640 a material (its recipe while it is read
+    /// and after, its name twice, entries of two maps).
     pub(super) fn mtl_bytes(&self) -> u64 {
         sum(&[(self.materials, 640), (self.names, NAME_BYTES)])
     }

@@ -1,8 +1,8 @@
 //! The MTL files of a scene, each read once, and which of them an OBJ file names.
 //!
-//! Comes in: the names in `mtllib` statements. Goes out: materials by name. A name is looked up in one table of all files,
-//! so neither many files nor many materials make a look-up longer than the shorter of two lists: the files that define
-//! the name, and the files that the OBJ file names.
+//! Comes in: the names in `mtllib` statements. Goes out: materials by name. A name is looked up in one table of all
+//! files, so neither many files nor many materials make a look-up longer than the shorter of two lists: the files that
+//! define the name, and the files that the OBJ file names.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -50,8 +50,8 @@ pub(super) struct Library {
 }
 
 impl Libraries {
-    /// Reads the files that `mesh` names, beside it, as far as they are not read yet. What may be files, read or not, is
-    /// added to `named`.
+    /// Reads the files that `mesh` names, beside it, as far as they are not read yet. What may be files, read or not,
+    /// is added to `named`.
     pub(super) fn of(
         &mut self,
         mesh: &ObjMesh,

@@ -149,9 +149,10 @@ pub struct RenderDefaults {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadReport {
     /// Every file beside [`Scene::path`] that the scene names, whether it was read or not, in order and none twice: no
-    /// output may take its place. OBJ files; what `mtllib` statements name, also where a material of the scene file made
-    /// reading it needless; images in the MTL files that were read. As names may hold blanks and options stand before
-    /// them, several readings of one statement are listed: those of its words that end it, from one word to sixteen.
+    /// output may take its place. OBJ files; what `mtllib` statements name, also where a material of the scene file
+    /// made reading it needless; images in the MTL files that were read. As names may hold blanks and options stand
+    /// before them, several readings of one statement are listed: those of its words that end it, from one word to
+    /// sixteen.
     pub files: Vec<PathBuf>,
     /// Triangles without area that were removed.
     pub degenerate_triangles: usize,

@@ -1,7 +1,7 @@
 //! A line scan of an MTL file that owns every refusal; `tobj` never sees the file (it panics at `Kd 0.5 0.5`).
 //!
-//! Comes in: the text of an MTL file. Goes out: an [`MtlScan`] of the materials it defines, checked, and of the images it
-//! names; warnings. One warning names the statements that would change the look and are not supported.
+//! Comes in: the text of an MTL file. Goes out: an [`MtlScan`] of the materials it defines, checked, and of the images
+//! it names; warnings. One warning names the statements that would change the look and are not supported.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;

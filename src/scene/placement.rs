@@ -1,7 +1,7 @@
 //! Triangles of a mesh moved to their place in the scene.
 //!
-//! Comes in: triangles of an OBJ file, the mesh's transform and materials. Goes out: a [`PlacedPart`]: positions and normals in
-//! the scene's units, fronts kept where the transform mirrors, and what cannot be placed.
+//! Comes in: triangles of an OBJ file, the mesh's transform and materials. Goes out: a [`PlacedPart`]: positions and
+//! normals in the scene's units, fronts kept where the transform mirrors, and what cannot be placed.
 
 use std::path::Path;
 

@@ -48,8 +48,8 @@ impl<'a> Source<'a> {
         1 + before + newlines(&self.text.as_bytes()[offset / STRIDE * STRIDE..offset])
     }
 
-    /// Bytes of memory that the parsed text takes at the most: so many for each byte, as an array of `0,` takes them, and
-    /// for each table, of which a brace, a header and a dot in a key make one each.
+    /// Bytes of memory that the parsed text takes at the most: so many for each byte, as an array of `0,` takes them,
+    /// and for each table, of which a brace, a header and a dot in a key make one each.
     pub(super) fn memory_bytes(&self) -> u64 {
         let bytes = self.text.as_bytes();
         let is_end = |byte: &u8| matches!(byte, b',' | b']' | b'}' | b'\n' | b'\r' | b'#');

@@ -1,7 +1,9 @@
-//! Damaged files: whatever their bytes are, they are read or refused, in little time and memory, and never with a panic.
+//! Damaged files: whatever their bytes are, they are read or refused, in little time and memory, and never with a
+//! panic.
 //!
 //! Comes in: small scenes, OBJ, MTL and OpenEXR files, damaged by a seeded generator and written to a folder. Each is
-//! loaded as a user's would be; of the scenes that load, one in twenty is rendered. Seeds are fixed: what a run finds, the next finds again.
+//! loaded as a user's would be; of the scenes that load, one in twenty is rendered. Seeds are fixed: what a run finds,
+//! the next finds again.
 
 #[path = "../harness/mod.rs"]
 mod harness;

@@ -56,12 +56,12 @@ material.n = { ks = [1, 1, 1], ke = [0.5, 0.25, 0.125], illum = 3, d = 0.5 }
 material."my wood" = { kd = [0.1, 0.2, 0.3] }
 "#;
 
-const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0.5 1\nv 0 1 0\nv 1 1 0 1 1 1\nvt 0 1\nvn 0 0.5 1\nvn 0 0 0\no a\nusemtl m\n\
-                   f 1/1/1 2/1/1 4/1/2 3/1/1\ng b\nusemtl n\nf -1//1 -2//1 -3//1\ns off\nf 1 2 3\nusemtl m\nf 3 2 1 4\n\
+const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0.5 1\nv 0 1 0\nv 1 1 0 1 1 1\nvt 0 1\nvn 0 0.5 1\nvn 0 0 0\no a\n\
+                   usemtl m\nf 1/1/1 2/1/1 4/1/2 3/1/1\ng b\nusemtl n\nf -1//1 -2//1 -3//1\ns off\nf 1 2 3\nusemtl m\nf 3 2 1 4\n\
                    l 1 2\ncurv 1 2 3\n";
 
-const MTL: &str = "newmtl m\nKd 0.1 0.2 0.3\nKe 1 2 3\nnewmtl n\nKs 1 1 1\nillum 7\nNi 1.5\nd 0.5\nmap_Kd -s 1 1 1 my x.png\n\
-                   Ka 0 0 0\nTr 0\nPr 0.5\nbump b.png\nzz 1\n";
+const MTL: &str = "newmtl m\nKd 0.1 0.2 0.3\nKe 1 2 3\nnewmtl n\nKs 1 1 1\nillum 7\nNi 1.5\nd 0.5\n\
+                   map_Kd -s 1 1 1 my x.png\nKa 0 0 0\nTr 0\nPr 0.5\nbump b.png\nzz 1\n";
 
 /// Pictures as bytes, written beside `folder`.
 pub fn pictures(folder: &Path) -> Vec<Vec<u8>> {
