@@ -4,6 +4,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::quote;
+
 /// Result of every fallible function of the library.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -56,7 +58,7 @@ pub enum Error {
     #[error("the Vulkan device was lost: {0}")]
     DeviceLost(String),
     /// A picture or report cannot be written.
-    #[error("{}: {message}", path.display())]
+    #[error("{}: {message}", quote::path(path))]
     Output {
         /// The file that was to be written.
         path: PathBuf,
@@ -102,7 +104,7 @@ fn lines(refusals: &[Error], more: usize) -> String {
 
 fn place(path: &Path, line: usize) -> String {
     match line {
-        0 => path.display().to_string(),
-        line => format!("{}:{line}", path.display()),
+        0 => quote::path(path),
+        line => format!("{}:{line}", quote::path(path)),
     }
 }

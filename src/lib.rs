@@ -9,9 +9,9 @@
 //!
 //! A later stage may import an earlier one, never the reverse. [`gpu`] is the layer beneath: it alone names Vulkan and
 //! holds `unsafe`, and knows nothing of scenes. [`interface`] states what CPU and GPU agree on, and [`memory`] what the
-//! host has left.
-//! [`selftest`] and [`study`] stand above all stages: one asks them hard questions, the other what they cost. [`compare`]
-//! holds finished pictures against each other, and [`report`] shows what was found. [`distributions`] serves whoever judges numbers.
+//! host has left. [`input_file`] reads files of others, and [`quote`] shows their text. [`selftest`] and [`study`]
+//! stand above all stages: one asks them hard questions, the other what they cost. [`compare`] holds finished pictures
+//! against each other, and [`report`] shows what was found. [`distributions`] serves whoever judges numbers.
 
 #![deny(unsafe_code)]
 
@@ -21,9 +21,11 @@ pub mod distributions;
 pub mod error;
 pub mod film;
 pub mod gpu;
+pub mod input_file;
 pub mod interface;
 pub mod memory;
 pub mod output;
+pub mod quote;
 pub mod render;
 pub mod report;
 pub mod scene;

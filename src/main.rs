@@ -8,12 +8,14 @@
 mod cli;
 
 use std::error::Error;
+use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use cli::streams::say;
 use cli::{Failure, Outcome};
+use texray::quote::is_hidden;
 
 const INTERNAL: u8 = 1;
 const LIMIT_EXCEEDED: u8 = 1;
@@ -43,8 +45,13 @@ fn main() -> ExitCode {
         Ok(Ok(Outcome::NotWritten)) => NOT_WRITTEN,
         Ok(Ok(Outcome::Signal(signal))) => SIGNAL.saturating_add(signal),
         Ok(Err(Failure::Arguments(error))) => {
-            // Help and version come this way too, with the code 0 and on stdout. Nothing can be told to a closed stream.
-            let _ = error.print();
+            // Help and version come this way too, with the code 0 and on stdout. Nothing can be told to a closed
+            // stream. An argument that steers a terminal is shown without the colours that clap would print.
+            let steers = |argument: OsString| argument.to_string_lossy().contains(is_hidden);
+            match error.use_stderr() && std::env::args_os().any(steers) {
+                true => say(error.to_string().trim_end()),
+                false => drop(error.print()),
+            }
             u8::try_from(error.exit_code()).unwrap_or(INTERNAL)
         }
         Ok(Err(Failure::Command(error))) => {

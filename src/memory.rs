@@ -7,6 +7,7 @@
 
 use std::fs::read_to_string;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::{Error, Result};
 
@@ -45,12 +46,40 @@ pub fn available() -> Option<(u64, Bound)> {
     bounds.into_iter().filter_map(|(bytes, bound)| Some((bytes?, bound))).min_by_key(|(bytes, _)| *bytes)
 }
 
-/// Refuses `what` where it needs more bytes than are available.
+/// Bytes that are left to everything that is too small to be checked.
+const HEADROOM: u64 = 16 << 20;
+/// Needs up to this many bytes are granted from [`SPARE`].
+const SMALL: u64 = 1 << 20;
+/// What the last look at the limits left over for small needs: to look takes longer than to read a small file.
+static SPARE: AtomicU64 = AtomicU64::new(0);
+
+/// Refuses `what` where it needs more bytes than are available, less a little for what nobody checks.
 pub fn check(what: &str, need: u64) -> Result<()> {
-    match available() {
-        Some((have, bound)) if need > have => Err(limit(what, need, &left(have, bound))),
-        _ => Ok(()),
+    let take = |spare: u64| spare.checked_sub(need);
+    if need <= SMALL && SPARE.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok() {
+        return Ok(());
     }
+    let free = available().map(|(have, bound)| (have.saturating_sub(HEADROOM), bound));
+    match free {
+        Some((have, bound)) if need > have => Err(limit(what, need, &left(have, bound))),
+        Some((have, _)) => {
+            SPARE.store((have - need) / 16, Ordering::Relaxed);
+            Ok(())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Address space that a thread takes at the most: its stack, and a heap of its own that the allocator sets aside.
+const THREAD_BYTES: u64 = 136 << 20;
+
+/// Threads that this process should begin: as many as there are cores, or fewer where a limit of the address space
+/// leaves less than four times what they take.
+pub fn threads() -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let [space, _] = limits_leave();
+    let fit = space.map_or(u64::MAX, |space| space / (4 * THREAD_BYTES)).max(1);
+    cores.min(usize::try_from(fit).unwrap_or(usize::MAX))
 }
 
 /// Refuses `what` where the allocator cannot give `count` items of `T`; nothing stays allocated.
@@ -217,6 +246,11 @@ mod tests {
         assert_eq!(groups_leave("0::/a/b\n", root.path()), Some(650));
         assert_eq!(groups_leave("4:cpu,memory:/c/gone\n0::/a/b\n", root.path()), Some(407));
         assert_eq!(groups_leave("4:cpu:/c\n0::/elsewhere\n", root.path()), None);
+    }
+
+    #[test]
+    fn there_is_a_thread_at_least() {
+        assert!((1..=std::thread::available_parallelism().unwrap().get()).contains(&threads()));
     }
 
     #[test]

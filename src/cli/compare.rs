@@ -11,7 +11,7 @@ use texray::compare::difference::{Difference, LEGEND};
 use texray::compare::read::{ExrPicture, read};
 use texray::compare::{Comparison, Figures};
 use texray::output::{Format, check_writable, write_whole};
-use texray::{Error, Result};
+use texray::{Error, Result, quote};
 
 use super::save::same;
 use super::{Outcome, parse, streams};
@@ -19,9 +19,9 @@ use super::{Outcome, parse, streams};
 /// Hold a picture against a reference: relMSE, RMSE, PSNR, HDR-FLIP, a test of tiles, a difference image
 ///
 /// The exit code is 1 where a limit given by --max-relmse, --max-rmse, --min-psnr, --max-flip or --max-failed-tests is
-/// not kept. A pixel that is not finite in either picture is left out of the figures, counted, and keeps no limit. A
-/// test of tiles, of 16x16 pixels and a channel, is done where a file has the layer `variance` (render with --aov
-/// variance): it tells whether the difference is more than noise.
+/// not kept. A pixel that is not finite in either picture is left out of the figures and counted; where it is finite in
+/// the other, no limit is kept. A test of tiles, of 16x16 pixels and a channel, is done where a file has the layer
+/// `variance` (render with --aov variance): it tells whether the difference is more than noise.
 #[derive(Args)]
 pub struct CompareArgs {
     /// The picture, OpenEXR of any renderer
@@ -113,10 +113,10 @@ impl CompareArgs {
 
     fn check(&self, path: &Path) -> Result<()> {
         if Format::of(path)? != Format::Png {
-            return Err(Error::Usage(format!("{}: a difference image is a .png", path.display())));
+            return Err(Error::Usage(format!("{}: a difference image is a .png", quote::path(path))));
         }
         if [&self.picture, &self.reference].into_iter().any(|input| same(path, input)) {
-            return Err(Error::Usage(format!("{}: the output is one of the pictures compared", path.display())));
+            return Err(Error::Usage(format!("{}: the output is one of the pictures compared", quote::path(path))));
         }
         check_writable(path, self.no_clobber)
     }
@@ -129,10 +129,10 @@ impl CompareArgs {
         write_whole(path, self.no_clobber, &bytes.map_err(|message| Error::output(path, message))?)
     }
 
-    /// The limits that are not kept, a sentence each. What is unknown keeps no limit.
+    /// The limits that are not kept, a sentence each. What is unknown keeps no limit: figures of pictures one of which
+    /// is not finite where the other is, or that have no pixel that is finite in both.
     fn exceeded(&self, comparison: &Comparison) -> Vec<String> {
-        let whole = comparison.not_finite + comparison.not_finite_reference == 0;
-        let figures = comparison.figures.filter(|_| whole);
+        let figures = comparison.figures.filter(|_| comparison.not_finite_in_one == 0);
         let equal = figures.is_some_and(|figures| figures.rmse == 0.0);
         let mut exceeded = Vec::new();
         let mut limit = |option: &str, name: &str, limit: Option<f64>, value: Option<f64>, sign: f64| {
@@ -147,10 +147,18 @@ impl CompareArgs {
         limit("--max-rmse", "RMSE", self.max_rmse, figures.map(|figures| figures.rmse), 1.0);
         let psnr = if equal { Some(f64::INFINITY) } else { figures.and_then(|figures| figures.psnr_db) };
         limit("--min-psnr", "PSNR", self.min_psnr, psnr, -1.0);
-        limit("--max-flip", "HDR-FLIP", self.max_flip, comparison.hdr_flip.map(|flip| flip.mean), 1.0);
+        limit(
+            "--max-flip",
+            "HDR-FLIP",
+            self.max_flip,
+            comparison.hdr_flip.filter(|_| figures.is_some()).map(|flip| flip.mean),
+            1.0,
+        );
         if let (Some(most), Some(tiles)) = (self.max_failed_tests, comparison.tiles) {
             let failed = tiles.failed + tiles.left_out;
-            if failed > most {
+            if comparison.figures.is_none() {
+                exceeded.push(format!("no tile can be tested, so --max-failed-tests {most} is not kept"));
+            } else if failed > most {
                 exceeded.push(format!("{failed} tests of tiles fail, more than --max-failed-tests {most}"));
             }
         }
@@ -161,8 +169,8 @@ impl CompareArgs {
     fn lines(&self, comparison: &Comparison) -> Vec<String> {
         let mut lines = Vec::new();
         let mut line = |name: &str, text: String| lines.push(streams::folded(&format!("{name:<13}{text}"), 13));
-        line("picture A", self.picture.display().to_string());
-        line("reference B", self.reference.display().to_string());
+        line("picture A", quote::path(&self.picture));
+        line("reference B", quote::path(&self.reference));
         line("size", format!("{}x{}", comparison.size[0], comparison.size[1]));
         line(
             "not finite",
@@ -176,6 +184,7 @@ impl CompareArgs {
             None => line("figures", "none, as no pixel is finite in both".into()),
         }
         match &comparison.hdr_flip {
+            Some(flip) if flip.exposures == 0 => line("HDR-FLIP", "0: the pictures are equal, and black".into()),
             Some(flip) => line(
                 "HDR-FLIP",
                 format!(
@@ -211,7 +220,7 @@ impl CompareArgs {
             None => line("tiles", "not tested: neither file has a variance layer".into()),
         }
         if let Some(path) = &self.difference {
-            line("difference", format!("{}: {LEGEND}", path.display()));
+            line("difference", format!("{}: {LEGEND}", quote::path(path)));
         }
         lines
     }

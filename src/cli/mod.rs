@@ -15,7 +15,7 @@ mod meant;
 mod not_built;
 mod outputs;
 mod parse;
-mod process;
+pub mod process;
 mod progress;
 mod render;
 mod save;

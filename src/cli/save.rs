@@ -7,7 +7,7 @@ use std::path::Path;
 use texray::output::{Metadata, target_of};
 use texray::render::{CapBias, RenderReport, Settings};
 use texray::scene::Scene;
-use texray::{Error, Result};
+use texray::{Error, Result, quote};
 
 use super::engine::DeviceLine;
 use super::settings::{name, roulette_name};
@@ -16,10 +16,10 @@ use super::settings::{name, roulette_name};
 pub fn check_distinct(scene: &[&Path], outputs: &[&Path]) -> Result<()> {
     for (i, path) in outputs.iter().enumerate() {
         if scene.iter().any(|file| same(path, file)) {
-            return Err(Error::Usage(format!("{}: the output is a file of the scene itself", path.display())));
+            return Err(Error::Usage(format!("{}: the output is a file of the scene itself", quote::path(path))));
         }
         if outputs[..i].iter().any(|earlier| same(earlier, path)) {
-            return Err(Error::Usage(format!("{}: two outputs have this name", path.display())));
+            return Err(Error::Usage(format!("{}: two outputs have this name", quote::path(path))));
         }
     }
     Ok(())

@@ -1,14 +1,16 @@
 //! The standard streams, without panics: a reader that has gone away is no reason to lose a picture.
 //!
-//! Comes in: text. Goes out: results on stdout, everything else on stderr.
+//! Comes in: text. Goes out: results on stdout, everything else on stderr, neither with a character that steers a
+//! terminal: whoever names a file or a material does not write to the terminal of whoever reads of it.
 
 use std::io::{self, ErrorKind, Write};
 
+use texray::quote::{escaped_json, escaped_lines};
 use texray::{Error, Result};
 
 /// A line on stderr. One that cannot be written is dropped: there is nobody to tell.
 pub fn say(line: &str) {
-    let _ = writeln!(io::stderr().lock(), "{line}");
+    let _ = writeln!(io::stderr().lock(), "{}", escaped_lines(line));
 }
 
 /// Columns of a terminal that no line of a table exceeds.
@@ -36,7 +38,7 @@ pub fn folded(text: &str, indent: usize) -> String {
 /// A result on stdout, with a line feed. A reader that has read enough (`| head`) is not an error.
 pub fn answer(text: &str) -> Result<()> {
     let mut stdout = io::stdout().lock();
-    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+    match writeln!(stdout, "{}", escaped_lines(text)).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::output("stdout", error.to_string())),
         _ => Ok(()),
     }
@@ -44,7 +46,7 @@ pub fn answer(text: &str) -> Result<()> {
 
 /// A JSON document on stdout.
 pub fn answer_json(document: &impl serde::Serialize) -> Result<()> {
-    answer(&json(document)?)
+    answer(&escaped_json(&json(document)?))
 }
 
 /// A value as indented JSON.

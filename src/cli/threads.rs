@@ -1,11 +1,13 @@
 //! Threads of the process, shared out before any is started.
 //!
-//! Comes in: what the library finds can be started. Goes out: a pool of workers no larger than that, and a warning
-//! where it is less than usual. Without a limit nothing is done here: the pool starts by itself when it is first
-//! needed.
+//! Comes in: what the library finds can be started, and what the address space has room for. Goes out: a pool of
+//! workers no larger than either, and a warning where fewer start than usual. Without a limit nothing is done here: the
+//! pool starts by itself when it is first needed.
+
+use std::thread::available_parallelism;
 
 use texray::gpu::share_out_threads;
-use texray::{Error, Result};
+use texray::{Error, Result, memory};
 
 use super::streams::say;
 
@@ -15,7 +17,10 @@ pub fn share_out() -> Result<()> {
     if let Some(warning) = shares.warning {
         say(&format!("warning: {warning}"));
     }
-    let Some(workers) = shares.workers else { return Ok(()) };
+    let cores = available_parallelism().map_or(1, usize::from);
+    let roomy = Some(memory::threads()).filter(|&threads| threads < cores);
+    // `None` is no limit, not the least.
+    let Some(workers) = [shares.workers, roomy].into_iter().flatten().min() else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new();
     let pool = match workers {
         0 => pool.num_threads(1).use_current_thread(),

@@ -39,52 +39,75 @@ pub struct HdrFlip {
     pub largest: f64,
     /// First exposure in stops: the reference's brightest pixel is shown at 85 % of the display's range.
     pub start_stops: f64,
-    /// Last one: the median is.
+    /// Last one: the median is, or where that is black the median of what is not.
     pub stop_stops: f64,
-    /// Exposures tried, evenly spaced.
+    /// Exposures tried, evenly spaced; 0 where the pictures are equal and show nothing at any.
     pub exposures: usize,
 }
 
 /// Bytes that a pixel takes while two pictures are looked at: their shown, opponent, filtered and seen colours in f64.
 const PIXEL_BYTES: u64 = 240;
 
-/// HDR-FLIP of `picture` against `reference`, of `[width, height]` pixels, or why there is none: sizes do not fit, a
-/// value is not finite, the reference's brightest or median luminance is not above 0, or memory is short.
+/// HDR-FLIP of `picture` against `reference`, of `[width, height]` pixels, or why there is none: sizes do not fit, no
+/// pixel is finite in both, memory is short, or the reference is black where the pictures differ from each other.
+///
+/// Pixels that are not finite in either picture are left out of the mean; to their neighbours they look black in both.
+/// Pictures that are equal in all other pixels have a FLIP of 0 at every exposure, also where none can be chosen.
 pub fn hdr(picture: &[[f32; 3]], reference: &[[f32; 3]], [width, height]: [usize; 2]) -> Result<HdrFlip, String> {
     if picture.len() != width * height || reference.len() != picture.len() || picture.is_empty() {
         return Err("the pictures have no pixels in common".into());
     }
-    if !picture.iter().chain(reference).all(super::finite) {
-        return Err("it needs pixels that are finite".into());
+    memory::check("memory", PIXEL_BYTES.saturating_mul(picture.len() as u64)).map_err(|error| error.to_string())?;
+    let kept: Vec<bool> = picture.iter().zip(reference).map(|(a, b)| super::finite(a) && super::finite(b)).collect();
+    let count = kept.iter().filter(|&&kept| kept).count();
+    if count == 0 {
+        return Err("no pixel is finite in both pictures".into());
     }
-    memory::check("it", PIXEL_BYTES.saturating_mul(picture.len() as u64)).map_err(|error| error.to_string())?;
-    let (start_stops, stop_stops) = exposures(reference).ok_or("the reference's median luminance is not above 0")?;
+    let Some((start_stops, stop_stops)) = exposures(reference, &kept) else {
+        let mut pairs = picture.iter().zip(reference).zip(&kept).filter(|(_, kept)| **kept);
+        return match pairs.all(|((a, b), _)| a == b) {
+            true => Ok(HdrFlip { mean: 0.0, largest: 0.0, start_stops: 0.0, stop_stops: 0.0, exposures: 0 }),
+            false => Err("no luminance of the reference is above 0".into()),
+        };
+    };
     let exposures = ((stop_stops - start_stops).ceil().max(2.0) as usize).min(MOST_EXPOSURES);
     let observer = Observer::new();
     let mut most = vec![0.0; picture.len()];
     for i in 0..exposures {
         let stops = start_stops + (stop_stops - start_stops) * i as f64 / (exposures - 1) as f64;
-        let show = |pixels: &[[f32; 3]]| -> Vec<[f64; 3]> { pixels.par_iter().map(|&rgb| shown(rgb, stops)).collect() };
+        let show = |pixels: &[[f32; 3]]| -> Vec<[f64; 3]> {
+            let of = |(&rgb, &kept): (&[f32; 3], &bool)| if kept { shown(rgb, stops) } else { [0.0; 3] };
+            pixels.par_iter().zip(&kept).map(of).collect()
+        };
         let errors = observer.ldr(&show(picture), &show(reference), width, height);
         most.iter_mut().zip(errors).for_each(|(most, error): (&mut f64, f64)| *most = most.max(error));
     }
-    let mean = most.iter().sum::<f64>() / most.len() as f64;
-    Ok(HdrFlip { mean, largest: most.into_iter().fold(0.0, f64::max), start_stops, stop_stops, exposures })
+    let of_kept = || most.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(most, _)| *most);
+    let mean = of_kept().sum::<f64>() / count as f64;
+    Ok(HdrFlip { mean, largest: of_kept().fold(0.0, f64::max), start_stops, stop_stops, exposures })
 }
 
-/// The range of exposures in stops (section 3 of the paper of 2021).
-fn exposures(reference: &[[f32; 3]]) -> Option<(f64, f64)> {
-    let mut luminances: Vec<f64> = reference.iter().map(|&rgb| luminance(rgb)).collect();
+/// The range of exposures in stops (section 3 of the paper of 2021), over the pixels that are kept. The paper takes the
+/// median of all luminances; where that is not above 0, as half the picture or more is black, no exposure would show
+/// it, and the median of those above 0 is taken in its place. `None` where there is none.
+fn exposures(reference: &[[f32; 3]], kept: &[bool]) -> Option<(f64, f64)> {
+    let kept = reference.iter().zip(kept).filter(|(_, kept)| **kept);
+    let mut luminances: Vec<f64> = kept.map(|(&rgb, _)| luminance(rgb)).collect();
     luminances.sort_unstable_by(f64::total_cmp);
-    let count = luminances.len();
-    let median = (luminances[(count - 1) / 2] + luminances[count / 2]) / 2.0;
+    let median = |sorted: &[f64]| {
+        let upper = sorted.len() / 2;
+        let lower = sorted.len().checked_sub(1)? / 2;
+        Some((sorted.get(lower)? + sorted.get(upper)?) / 2.0)
+    };
+    let shining = luminances.partition_point(|&luminance| luminance <= 0.0);
+    let median = median(&luminances).filter(|&median| median > 0.0).or_else(|| median(&luminances[shining..]))?;
     let brightest = *luminances.last()?;
     // The x that the tone map takes to SHOWN: the positive root of a quadratic.
     let [k0, k1, k2, k3, k4, k5] = ACES;
     let (a, b, c) = (k0 - SHOWN * k3, k1 - SHOWN * k4, k2 - SHOWN * k5);
     let x = (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
     let ends = ((x / brightest).log2(), (x / median).log2());
-    (brightest > 0.0 && median > 0.0 && ends.0.is_finite() && ends.1.is_finite()).then_some(ends)
+    (ends.0.is_finite() && ends.1.is_finite()).then_some(ends)
 }
 
 /// Narkowicz's fit (2015) of the ACES curve, with his pre-exposure of 0.6 in the coefficients, as a quotient of

@@ -4,6 +4,7 @@
 //! difference image. Pixels that are not finite in either picture are counted and told; figures are of the others.
 //!
 //! ```text
+//! header           what a file claims, before anything of that size is allocated
 //! read             a file's layers → a picture, with its variance where the file has it
 //! relative_error   relative mean squared error, mean squared error, mean
 //! flip             FLIP: what an eye that flips between the two would see
@@ -15,13 +16,16 @@ mod colour;
 mod convolve;
 pub mod difference;
 pub mod flip;
+mod header;
 pub mod read;
 pub mod relative_error;
 pub mod tiles;
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 
-use crate::{Error, Result};
+use crate::{Error, Result, memory, quote};
 use flip::HdrFlip;
 use read::ExrPicture;
 use relative_error::{mean, mean_squared, relative_mse};
@@ -36,9 +40,11 @@ pub struct Comparison {
     pub not_finite: usize,
     /// The same of the reference.
     pub not_finite_reference: usize,
+    /// Pixels that are finite in one of the two alone: 0 where the same pixels are not finite in both.
+    pub not_finite_in_one: usize,
     /// Figures over the pixels that are finite in both; `None` where there is no such pixel.
     pub figures: Option<Figures>,
-    /// FLIP of the whole pictures.
+    /// FLIP over the pixels that are finite in both.
     pub hdr_flip: Option<HdrFlip>,
     /// Why there is no FLIP, where there is none.
     pub hdr_flip_missing: Option<String>,
@@ -73,26 +79,47 @@ impl Comparison {
             return Err(Error::Usage(format!(
                 "{}: its data window is {}, that of {} is {}; pictures are compared pixel by pixel, and the \
                  windows must be the same",
-                picture.path.display(),
+                quote::path(&picture.path),
                 picture.window,
-                reference.path.display(),
+                quote::path(&reference.path),
                 reference.window
             )));
         }
-        let pairs = || picture.rgb.iter().zip(&reference.rgb).filter(|(a, b)| finite(a) && finite(b));
-        let (a, b): (Vec<[f32; 3]>, Vec<[f32; 3]>) = pairs().map(|(&a, &b)| (a, b)).unzip();
+        let not_finite = |picture: &ExrPicture| picture.rgb.iter().filter(|rgb| !finite(rgb)).count();
+        let [in_picture, in_reference] = [not_finite(picture), not_finite(reference)];
+        let both = picture.rgb.iter().zip(&reference.rgb);
+        let in_one = both.filter(|(a, b)| finite(a) != finite(b)).count();
+        let (a, b) = match in_picture + in_reference {
+            0 => (Cow::Borrowed(&picture.rgb), Cow::Borrowed(&reference.rgb)),
+            _ => finite_in_both(picture, reference)?,
+        };
         let size = [picture.window.width, picture.window.height];
         let hdr_flip = flip::hdr(&picture.rgb, &reference.rgb, size);
         Ok(Comparison {
             size,
-            not_finite: picture.rgb.iter().filter(|rgb| !finite(rgb)).count(),
-            not_finite_reference: reference.rgb.iter().filter(|rgb| !finite(rgb)).count(),
+            not_finite: in_picture,
+            not_finite_reference: in_reference,
+            not_finite_in_one: in_one,
             figures: figures(&a, &b, peak),
             hdr_flip_missing: hdr_flip.as_ref().err().cloned(),
             hdr_flip: hdr_flip.ok(),
             tiles: tiles::test(picture, reference),
         })
     }
+}
+
+/// Colours of the pixels that are finite in both pictures.
+type Finite<'a> = Cow<'a, Vec<[f32; 3]>>;
+
+fn finite_in_both<'a>(picture: &'a ExrPicture, reference: &'a ExrPicture) -> Result<(Finite<'a>, Finite<'a>)> {
+    let pixels = picture.rgb.len();
+    memory::check("the pixels that are finite", 2 * size_of::<[f32; 3]>() as u64 * pixels as u64)?;
+    let (mut a, mut b) = (Vec::with_capacity(pixels), Vec::with_capacity(pixels));
+    for (of_a, of_b) in picture.rgb.iter().zip(&reference.rgb).filter(|(a, b)| finite(a) && finite(b)) {
+        a.push(*of_a);
+        b.push(*of_b);
+    }
+    Ok((Cow::Owned(a), Cow::Owned(b)))
 }
 
 /// Whether all channels are numbers.

@@ -6,11 +6,14 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use exr::meta::{BlockDescription, MetaData, header::Header};
-use exr::prelude::read_all_flat_layers_from_file;
+use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read as read_layers};
 
+use super::header::{check, unreadable};
+use crate::input_file::InputFile;
+use crate::quote::{self, quoted};
 use crate::{Error, Result, memory};
 
 /// Layer of the per-pixel variance of the mean, a channel each, beside the picture's own.
@@ -65,10 +68,10 @@ pub fn read(path: &Path, layer: Option<&str>) -> Result<ExrPicture> {
     let channels = channels(path)?;
     let layers = coloured(&channels);
     let refused = |message: String| Error::scene(path, 0, message);
-    let names = || layers.iter().map(|name| shown(name)).collect::<Vec<_>>().join(", ");
+    let names = || listed(layers.iter().map(|name| shown(name)));
     let chosen = match layer {
         Some(wanted) => layers.iter().find(|name| name.as_str() == wanted).ok_or_else(|| {
-            refused(format!("no layer {wanted:?} with channels R, G, B or Y; the file has {}", names()))
+            refused(format!("no layer {} with channels R, G, B or Y; the file has {}", quoted(wanted), names()))
         })?,
         None => {
             let plain = layers.iter().find(|name| name.is_empty());
@@ -77,8 +80,8 @@ pub fn read(path: &Path, layer: Option<&str>) -> Result<ExrPicture> {
                 (Some(plain), _) => plain,
                 (None, [only]) => only,
                 (None, []) => {
-                    let have: Vec<&str> = channels.keys().map(String::as_str).collect();
-                    return Err(refused(format!("channels R, G, B or Y needed, {} found", have.join(", "))));
+                    let have = listed(channels.keys().map(|name| quote::shown(name)));
+                    return Err(refused(format!("channels R, G, B or Y needed, {have} found")));
                 }
                 _ => return Err(refused(format!("several pictures: name one with --layer, of {}", names()))),
             }
@@ -92,33 +95,15 @@ pub fn read(path: &Path, layer: Option<&str>) -> Result<ExrPicture> {
     Ok(ExrPicture { path: path.into(), layer: chosen.clone(), window, rgb, variance })
 }
 
-/// Bytes of memory that a sample takes: as the file has it, and as f32.
-const SAMPLE_BYTES: u64 = 8;
-
-/// Refuses a file whose headers, true or not, ask for more memory than there is; the reader allocates what they say.
-fn check_memory(path: &Path) -> Result<()> {
-    let headers = MetaData::read_from_file(path, false).map_err(|error| unreadable(path, &error))?.headers;
-    let samples = |header: &Header| {
-        let area = |width: usize, height: usize| (width as u64).saturating_mul(height as u64);
-        let block = match header.blocks {
-            BlockDescription::Tiles(tiles) => area(tiles.tile_size.width(), tiles.tile_size.height()),
-            BlockDescription::ScanLines => 0,
-        };
-        let pixels = area(header.layer_size.width(), header.layer_size.height()).saturating_add(block);
-        pixels.saturating_mul(header.channels.list.len() as u64)
-    };
-    let all = headers.iter().map(samples).fold(0, u64::saturating_add);
-    memory::check(&format!("{}: its pixels by its header", path.display()), all.saturating_mul(SAMPLE_BYTES))
-}
-
-fn unreadable(path: &Path, error: &exr::error::Error) -> Error {
-    Error::scene(path, 0, format!("not a readable OpenEXR file: {error}"))
-}
-
 /// All channels by their full names: part, layers, channel, joined by dots.
 fn channels(path: &Path) -> Result<BTreeMap<String, Channel>> {
-    check_memory(path)?;
-    let image = read_all_flat_layers_from_file(path).map_err(|error| unreadable(path, &error))?;
+    let mut input = InputFile::open(path).map_err(|reason| unreadable(path, &reason))?;
+    check(path, &mut input)?;
+    let reader = read_layers().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    // Under a limit of the address space the heaps of its threads would take what the pixels need.
+    let reader = if memory::threads() == cores() { reader } else { reader.non_parallel() };
+    let image = reader.from_buffered(BufReader::new(input.file));
+    let image = image.map_err(|error| unreadable(path, &error.to_string()))?;
     let mut channels = BTreeMap::new();
     for part in image.layer_data {
         let position = part.attributes.layer_position;
@@ -133,11 +118,19 @@ fn channels(path: &Path) -> Result<BTreeMap<String, Channel>> {
                 false => format!("{part_name}.{name}"),
             };
             let sampling = (channel.sampling.x(), channel.sampling.y());
-            let values = channel.sample_data.values_as_f32().collect();
+            let values = match channel.sample_data {
+                FlatSamples::F32(values) => values,
+                FlatSamples::F16(values) => values.into_iter().map(|value| value.to_f32()).collect(),
+                FlatSamples::U32(values) => values.into_iter().map(|value| value as f32).collect(),
+            };
             channels.entry(full).or_insert(Channel { window, sampling, values });
         }
     }
     Ok(channels)
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Layers that have R, G and B, or Y.
@@ -155,8 +148,18 @@ fn join(layer: &str, channel: &str) -> String {
     if layer.is_empty() { channel.into() } else { format!("{layer}.{channel}") }
 }
 
+/// Names that a message lists.
+const LISTED: usize = 16;
+
+/// The first names, and that there are others.
+fn listed(names: impl ExactSizeIterator<Item = String>) -> String {
+    let more = names.len().saturating_sub(LISTED);
+    let first = names.take(LISTED).collect::<Vec<_>>().join(", ");
+    if more == 0 { first } else { format!("{first} and {more} more") }
+}
+
 fn shown(layer: &str) -> String {
-    if layer.is_empty() { "R, G, B without a layer".into() } else { format!("{layer:?}") }
+    if layer.is_empty() { "R, G, B without a layer".into() } else { quoted(layer) }
 }
 
 fn colours(path: &Path, channels: &BTreeMap<String, Channel>, layer: &str) -> Result<(DataWindow, Vec<[f32; 3]>)> {

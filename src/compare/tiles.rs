@@ -18,7 +18,8 @@ pub const TILE: usize = 16;
 pub struct TileTest {
     /// Tests done: tiles times channels.
     pub tests: usize,
-    /// Tests left out, as the tile has a pixel whose value or variance is not finite.
+    /// Tests left out, as the tile has a pixel whose value or variance is not finite in one of the pictures. A pixel
+    /// that is not finite in both says nothing of a difference: its tile is tested without it.
     pub left_out: usize,
     /// |z| above which one of so many tests is no chance: one false alarm in a million comparisons.
     pub critical_z: f64,
@@ -40,38 +41,70 @@ pub fn test(picture: &ExrPicture, reference: &ExrPicture) -> Option<TileTest> {
     let (width, height) = (picture.window.width, picture.window.height);
     let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
     let all = columns * rows * 3;
-    let mut sums = vec![[[0.0; 3]; 3]; columns * rows];
+    let mut sums = vec![[Sums::default(); 3]; columns * rows];
     for y in 0..height {
         for x in 0..width {
             let i = y * width + x;
             let tile = &mut sums[y / TILE * columns + x / TILE];
-            for channel in 0..3 {
-                let of = |variance: &Option<Vec<[f32; 3]>>| variance.as_ref().map_or(0.0, |v| f64::from(v[i][channel]));
-                tile[channel][0] += f64::from(picture.rgb[i][channel]);
-                tile[channel][1] += f64::from(reference.rgb[i][channel]);
-                tile[channel][2] += of(&picture.variance) + of(&reference.variance);
+            for (channel, sums) in tile.iter_mut().enumerate() {
+                sums.add(sample(picture, i, channel), sample(reference, i, channel));
             }
         }
     }
     let mut largest: f64 = 0.0;
-    let (mut left_out, mut failed) = (0, 0);
-    for [a, b, variance] in sums.into_iter().flatten() {
-        if !(a.is_finite() && b.is_finite() && variance.is_finite() && variance >= 0.0) {
+    let (mut left_out, mut failed, mut tests) = (0, 0, 0);
+    for sums in sums.into_iter().flatten() {
+        let usable = sums.variance.is_finite() && sums.variance >= 0.0;
+        if sums.in_one > 0 || (sums.pixels > 0 && !usable) {
             left_out += 1;
-            continue;
+        } else if sums.pixels > 0 {
+            // Sums rather than means: both sides of the quotient grow alike.
+            let verdict = z_test(sums.picture, sums.variance, sums.reference);
+            largest = largest.max(verdict.statistic.abs());
+            failed += usize::from(!verdict.passes(all));
+            tests += 1;
         }
-        // Sums rather than means: both sides of the quotient grow alike.
-        let verdict = z_test(a, variance, b);
-        largest = largest.max(verdict.statistic.abs());
-        failed += usize::from(!verdict.passes(all));
     }
     Some(TileTest {
-        tests: all - left_out,
+        tests,
         left_out,
         critical_z: critical_z(all),
-        largest_z: (left_out < all && largest.is_finite()).then_some(largest),
+        largest_z: (tests > 0 && largest.is_finite()).then_some(largest),
         failed,
         exact_reference: reference.variance.is_none(),
         exact_picture: picture.variance.is_none(),
     })
+}
+
+/// Sums of one channel over a tile.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    picture: f64,
+    reference: f64,
+    variance: f64,
+    pixels: usize,
+    /// Pixels that are not finite in one of the pictures alone.
+    in_one: usize,
+}
+
+impl Sums {
+    fn add(&mut self, a: (f64, f64), b: (f64, f64)) {
+        let finite = |(value, variance): (f64, f64)| value.is_finite() && variance.is_finite();
+        match (finite(a), finite(b)) {
+            (true, true) => {
+                self.picture += a.0;
+                self.reference += b.0;
+                self.variance += a.1 + b.1;
+                self.pixels += 1;
+            }
+            (false, false) => {}
+            _ => self.in_one += 1,
+        }
+    }
+}
+
+/// Value and variance of one channel of a pixel; a file without variances is exact.
+fn sample(picture: &ExrPicture, i: usize, channel: usize) -> (f64, f64) {
+    let variance = picture.variance.as_ref().map_or(0.0, |variance| f64::from(variance[i][channel]));
+    (f64::from(picture.rgb[i][channel]), variance)
 }

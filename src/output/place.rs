@@ -11,6 +11,8 @@ use super::replacing;
 use super::stream;
 use super::temporary::{Temporary, folder_of};
 
+use crate::quote;
+
 /// Links that are followed at most; Linux follows as many.
 const MOST_LINKS: usize = 40;
 
@@ -47,12 +49,12 @@ impl Place {
             Place::New(target) => {
                 let folder = folder_of(target);
                 if !folder.is_dir() {
-                    return Err(format!("the folder {} does not exist", folder.display()));
+                    return Err(format!("the folder {} does not exist", quote::path(folder)));
                 }
                 // The file itself and not some other: a file system may refuse a name, too.
                 let made = OpenOptions::new().write(true).create_new(true).open(target);
                 let made =
-                    made.map_err(|error| format!("the folder {} cannot be written: {error}", folder.display()))?;
+                    made.map_err(|error| format!("the folder {} cannot be written: {error}", quote::path(folder)))?;
                 match is_same(&made, target) {
                     true => fs::remove_file(target).map_err(unwritable),
                     // Somebody has put another file there meanwhile, which is not ours to remove.

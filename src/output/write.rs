@@ -10,6 +10,7 @@ use super::partial;
 use super::place::{Place, follow};
 use super::temporary::{folder_of, remove_stale};
 use super::{Display, Metadata, Picture, exr, hdr, png};
+use crate::quote;
 use crate::{Error, Result};
 
 /// Format of a picture file.
@@ -32,9 +33,9 @@ impl Format {
             Some("png") => Ok(Format::Png),
             Some("hdr") => Ok(Format::Hdr),
             Some(other) => {
-                Err(Error::Usage(format!("{}: unknown extension .{other}; use .exr, .png or .hdr", path.display())))
+                Err(Error::Usage(format!("{}: unknown extension .{other}; use .exr, .png or .hdr", quote::path(path))))
             }
-            None => Err(Error::Usage(format!("{}: no extension; use .exr, .png or .hdr", path.display()))),
+            None => Err(Error::Usage(format!("{}: no extension; use .exr, .png or .hdr", quote::path(path)))),
         }
     }
 }

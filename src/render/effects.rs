@@ -9,6 +9,7 @@ use crate::interface::{
     EFFECT_EMITTERS, EFFECT_GLASS, EFFECT_MIRROR, EFFECT_PIXEL_FILTER, EFFECT_SKY, EFFECT_SMOOTH_NORMALS, EFFECTS,
     NO_INDEX,
 };
+use crate::quote::shown;
 use crate::scene::{Filter, Material, MaterialKind, Scene};
 use crate::settings::Settings;
 
@@ -38,7 +39,7 @@ impl Effects {
         let counts = triangles_by_material(scene);
         let by_material = |noun: &str, wanted: &dyn Fn(&Material) -> bool| {
             let (index, material) = (0..).zip(&scene.materials).find(|(i, m)| counts[*i] > 0 && wanted(m))?;
-            Some(format!("{noun}: material `{}`, {}", material.name, triangles(counts[index])))
+            Some(format!("{noun}: material `{}`, {}", shown(&material.name), triangles(counts[index])))
         };
         reasons[EFFECT_EMITTERS as usize] = by_material("emission", &Material::emits);
         reasons[EFFECT_SKY as usize] =

@@ -10,19 +10,19 @@ use std::path::{Path, PathBuf};
 use glam::{DVec2, DVec3};
 
 use super::batches::in_batches;
-use super::mtl_scan::Library;
+use super::library::{Libraries, Library};
 use super::nearest::known_names;
-use super::number::in_range;
-use super::obj_mesh::{ObjCorners, ObjMesh, ObjTriangle};
+use super::need::Need;
+use super::obj_mesh::{ObjMesh, ObjTriangle};
+use super::placement::{Materials, PlacedPart, overflow};
 use super::recipe::Recipe;
 use super::refusals::Refusals;
 use super::scene_file::{MaterialEntry, MeshEntry};
-use super::source_text::quoted;
+use super::source_text::{Folders, Named, check_memory};
+use super::warnings::Warnings;
 use crate::interface::NO_INDEX;
-use crate::{Error, Result};
-
-/// A normal this close to the geometric one shades as the flat triangle does, so the triangle needs none.
-const SAME_NORMAL: f64 = 1e-6;
+use crate::quote::{self, quoted};
+use crate::{Error, Result, memory};
 
 /// Triangles and materials in file units.
 #[derive(Default)]
@@ -35,10 +35,10 @@ pub(super) struct RawScene {
     pub materials: Vec<(String, Recipe)>,
     /// Triangles left out for want of an area.
     pub degenerate: usize,
-    /// OBJ and MTL files that were read.
+    /// Files that the scene names, read or not.
     pub files: Vec<PathBuf>,
     /// Warnings with file and line.
-    pub warnings: Vec<String>,
+    pub warnings: Warnings,
 }
 
 /// One triangle.
@@ -62,182 +62,315 @@ pub(super) struct RawCorners {
 }
 
 /// Places `meshes`, which the scene file `path` lists beside `materials`.
+///
+/// All files are read before anything is placed: what the scene asks for is known then, and refused where it is too
+/// much.
 pub(super) fn assemble(path: &Path, meshes: &[MeshEntry], materials: &[MaterialEntry]) -> Result<RawScene> {
-    assemble_with(path, meshes, materials, &mut ObjFiles::new())
-}
-
-/// OBJ files that were read, each with its MTL files where they were needed.
-pub(super) type ObjFiles = HashMap<PathBuf, (ObjMesh, Option<Library>)>;
-
-/// As [`assemble`], but reads only those files that `files` lacks.
-pub(super) fn assemble_with(
-    path: &Path,
-    meshes: &[MeshEntry],
-    materials: &[MaterialEntry],
-    files: &mut ObjFiles,
-) -> Result<RawScene> {
-    let mut assembly =
-        Assembly { path, materials, raw: RawScene::default(), index: HashMap::new(), touched: HashSet::new() };
+    let mut assembly = Assembly::new(path, materials);
     let mut refusals = Refusals::default();
-    let mut add = |entry: &MeshEntry| {
-        if !files.contains_key(entry.file.as_path()) {
-            let mesh = ObjMesh::load(&entry.file, Some((path, entry.line)))?;
-            assembly.raw.warnings.extend(mesh.warnings.iter().cloned());
-            assembly.raw.files.push(entry.file.clone());
-            files.insert(entry.file.clone(), (mesh, None));
-        }
-        let Some((mesh, library)) = files.get_mut(entry.file.as_path()) else { return Ok(()) };
-        // A mesh whose one material stands in the scene file needs no MTL file.
-        let in_scene = |(name, _): &(String, usize)| materials.iter().any(|material| material.name == *name);
-        if library.is_none() && !entry.material.as_ref().is_some_and(in_scene) {
-            let read = mesh.library()?;
-            assembly.raw.warnings.extend(read.warnings.iter().cloned());
-            assembly.raw.files.extend(read.files.iter().cloned());
-            *library = Some(read);
-        }
-        assembly.place(entry, mesh, library.as_ref())
-    };
-    meshes.iter().for_each(|entry| _ = refusals.keep(add(entry)));
+    let files: Vec<usize> =
+        meshes.iter().filter_map(|entry| refusals.keep(assembly.look_up(entry)).flatten()).collect();
     refusals.finish()?;
-    for unused in materials.iter().filter(|material| !assembly.touched.contains(material.name.as_str())) {
-        let text = format!("{}:{}: no mesh uses the material {}", path.display(), unused.line, quoted(&unused.name));
-        assembly.raw.warnings.push(text);
+    let mut need = Need::default();
+    for (entry, &file) in meshes.iter().zip(&files) {
+        need.add(path, entry, &assembly.sources[file].mesh)?;
     }
-    Ok(assembly.raw)
+    assembly.place_all(meshes, &files, &need)?;
+    let touched = std::mem::take(&mut assembly.touched);
+    for unused in materials.iter().filter(|material| !touched.contains(material.name.as_str())) {
+        let text = || {
+            let (path, name) = (quote::path(path), quoted(&unused.name));
+            format!("{path}:{}: no mesh uses the material {name}", unused.line)
+        };
+        assembly.raw.warnings.add("unused materials", text);
+    }
+    Ok(assembly.finish())
 }
 
 /// A bare OBJ file as it stands.
 pub(super) fn assemble_bare(path: &Path) -> Result<RawScene> {
-    let mut assembly =
-        Assembly { path, materials: &[], raw: RawScene::default(), index: HashMap::new(), touched: HashSet::new() };
-    let mesh = ObjMesh::load(path, None)?;
-    let library = mesh.library()?;
-    assembly.raw.warnings.extend(mesh.warnings.iter().chain(&library.warnings).cloned());
-    assembly.raw.files.extend(library.files.iter().cloned());
+    let mut assembly = Assembly::new(path, &[]);
+    let mesh = ObjMesh::load(path, None, &mut assembly.raw.warnings)?;
     let transform = super::transform::Transform::IDENTITY;
     let entry = MeshEntry { file: path.to_owned(), line: 0, transform, material: None };
-    assembly.place(&entry, &mesh, Some(&library))?;
-    Ok(assembly.raw)
+    let mut need = Need::default();
+    need.add(path, &entry, &mesh)?;
+    let file = assembly.add(mesh);
+    assembly.read_library(file)?;
+    assembly.place_all(&[entry], &[file], &need)?;
+    Ok(assembly.finish())
 }
+
+/// Names that are looked for among all that are defined; of others, among as many.
+const SEARCHES: usize = 32;
 
 /// What placing the meshes has led to so far.
 struct Assembly<'a> {
     path: &'a Path,
     materials: &'a [MaterialEntry],
+    /// Place of each name in `materials`.
+    material_of_name: HashMap<&'a str, usize>,
     raw: RawScene,
+    /// OBJ files, in the order in which the meshes name them.
+    sources: Vec<Source>,
+    source_of_path: HashMap<PathBuf, usize>,
+    /// Names that were looked for among all others: of more than are told, it would take long.
+    searched: usize,
+    /// OBJ files that were refused, with what they need.
+    refused: HashSet<PathBuf>,
+    folders: Folders,
+    libraries: Libraries,
+    named: Named,
     /// Index of a material by the OBJ file it belongs to (none for the scene's own) and its name.
-    index: HashMap<(Option<PathBuf>, String), u32>,
+    index: HashMap<(Option<usize>, String), u32>,
     touched: HashSet<&'a str>,
 }
 
+/// An OBJ file.
+struct Source {
+    mesh: ObjMesh,
+    /// The MTL files that it names, where they were needed.
+    library: Option<Library>,
+    /// Material of each part, once a mesh has asked for them.
+    materials: Option<Vec<u32>>,
+}
+
 impl<'a> Assembly<'a> {
-    fn place(&mut self, entry: &MeshEntry, mesh: &ObjMesh, library: Option<&Library>) -> Result<()> {
-        let whole = match &entry.material {
-            Some((name, line)) => Some(self.whole_mesh_material(name, *line, mesh, library)?),
-            None => None,
-        };
-        let mut material_of_part = Vec::with_capacity(mesh.parts.len());
-        let mut refusals = Refusals::default();
-        for part in &mesh.parts {
-            material_of_part.push(match (whole, library) {
-                (Some(material), _) => material,
-                // A part without faces needs no material, but a name that is nowhere defined is refused all the same.
-                (None, Some(_)) if part.faces == 0 && part.name.is_empty() => 0,
-                (None, library) => refusals.keep(self.part_material(mesh, part, library)).unwrap_or(0),
-            });
+    fn new(path: &'a Path, materials: &'a [MaterialEntry]) -> Assembly<'a> {
+        Assembly {
+            path,
+            materials,
+            material_of_name: materials.iter().zip(0..).map(|(material, i)| (material.name.as_str(), i)).collect(),
+            raw: RawScene::default(),
+            sources: Vec::new(),
+            source_of_path: HashMap::new(),
+            searched: 0,
+            refused: HashSet::new(),
+            folders: Folders::default(),
+            libraries: Libraries::default(),
+            named: Named::new(),
+            index: HashMap::new(),
+            touched: HashSet::new(),
         }
-        refusals.finish()?;
-        // One material makes one part of the whole mesh, smooth only where all of it has normals.
-        let smooth = whole.is_none() || mesh.parts.iter().all(|part| part.faces == 0 || part.all_normals);
-        let mut zero_normals = 0;
-        self.raw.triangles.reserve(mesh.triangles.len());
-        let corners_of = |triangle: &ObjTriangle| mesh.corners.get(triangle.corners as usize).filter(|_| smooth);
-        in_batches(
-            &mesh.triangles,
-            |_, triangles| PlacedPart::of(entry, triangles, &material_of_part, corners_of),
-            |part| {
-                if let Some(triangle) = part.overflows {
-                    return Err(self.overflow(entry, &triangle));
+    }
+
+    /// Reads what the mesh needs and was not read before, and looks its materials up. Goes out: the number of its OBJ
+    /// file; none where that was refused for another mesh.
+    fn look_up(&mut self, entry: &MeshEntry) -> Result<Option<usize>> {
+        let key = self.folders.key(&entry.file);
+        if self.refused.contains(&key) {
+            return Ok(None);
+        }
+        match self.read(entry, &key) {
+            Ok(file) => self.materials_of(entry, file).map(|materials| {
+                self.put_back(file, materials);
+                Some(file)
+            }),
+            Err(error) => {
+                // What the scene file's line is at fault for, such as a name without a file, is told of each line.
+                if !matches!(&error, Error::Scene { path, .. } if path == self.path) {
+                    self.refused.insert(key);
                 }
-                let first = self.raw.corners.len() as u32;
-                self.raw.corners.extend(part.corners);
-                self.raw.triangles.extend(part.triangles.into_iter().map(|triangle| match triangle.corners {
-                    NO_INDEX => triangle,
-                    corners => RawTriangle { corners: first + corners, ..triangle },
-                }));
-                self.raw.degenerate += part.degenerate;
-                zero_normals += part.zero_normals;
-                Ok(())
-            },
-        )?;
-        if self.raw.triangles.len() >= 1 << 31 {
-            return Err(Error::scene(self.path, entry.line, "more than 2147483647 triangles; allowed are as many"));
+                Err(error)
+            }
         }
-        if zero_normals > 0 {
-            let text = format!(
-                "{}: {zero_normals} corners have a normal of length 0 and take that of their triangle",
-                mesh.path.display()
-            );
-            self.raw.warnings.push(text);
+    }
+
+    /// Reads what the mesh needs and was not read before. Goes out: the number of its OBJ file.
+    fn read(&mut self, entry: &MeshEntry, key: &Path) -> Result<usize> {
+        let file = match self.source_of_path.get(key) {
+            Some(&file) => file,
+            None => {
+                let mesh = ObjMesh::load(&entry.file, Some((self.path, entry.line)), &mut self.raw.warnings)?;
+                self.named.insert(entry.file.clone().into_os_string());
+                let file = self.add(mesh);
+                self.source_of_path.insert(key.to_owned(), file);
+                file
+            }
+        };
+        // A mesh whose one material stands in the scene file needs no MTL file.
+        let in_scene = |(name, _): &(String, usize)| self.material_of_name.contains_key(name.as_str());
+        if !entry.material.as_ref().is_some_and(in_scene) {
+            self.read_library(file)?;
+        }
+        Ok(file)
+    }
+
+    fn add(&mut self, mesh: ObjMesh) -> usize {
+        self.named.extend(mesh.library_paths().map(PathBuf::into_os_string));
+        self.sources.push(Source { mesh, library: None, materials: None });
+        self.sources.len() - 1
+    }
+
+    fn read_library(&mut self, file: usize) -> Result<()> {
+        let source = &mut self.sources[file];
+        if source.library.is_none() {
+            let (named, warnings) = (&mut self.named, &mut self.raw.warnings);
+            source.library = Some(self.libraries.of(&source.mesh, &mut self.folders, named, warnings)?);
         }
         Ok(())
     }
 
-    /// The refusal of a triangle that the mesh's transform moves out of range.
-    fn overflow(&self, entry: &MeshEntry, triangle: &ObjTriangle) -> Error {
-        let moved = triangle.positions.map(|point| entry.transform.point(point));
-        let reach = moved.into_iter().map(|point| point.abs().max_element()).fold(0.0, f64::max);
-        let message = format!("the mesh's transform moves a corner to {reach:e}; allowed are coordinates up to 1e100");
-        Error::scene(self.path, entry.line, message)
+    fn finish(mut self) -> RawScene {
+        self.raw.files = self.named.into_iter().map(PathBuf::from).collect();
+        self.raw
+    }
+
+    /// Places the meshes, each of the OBJ file of that number.
+    fn place_all(&mut self, meshes: &[MeshEntry], files: &[usize], need: &Need) -> Result<()> {
+        let line = self.exceeding(meshes, files)?;
+        let what = format!("memory for {} triangles", need.triangles);
+        check_memory(self.path, line, &what, need.bytes())?;
+        let refused = |_| Error::scene(self.path, line, format!("{what} cannot be had"));
+        self.raw.triangles.try_reserve_exact(need.triangles as usize).map_err(refused)?;
+        self.raw.corners.try_reserve_exact(need.smooth as usize).map_err(refused)?;
+        let mut refusals = Refusals::default();
+        for (entry, &file) in meshes.iter().zip(files) {
+            let materials = self.materials_of(entry, file)?;
+            refusals.keep(self.place(entry, file, &materials));
+            self.put_back(file, materials);
+        }
+        refusals.finish()
+    }
+
+    /// Materials of a mesh; those of a file's parts are to be put back.
+    fn materials_of(&mut self, entry: &MeshEntry, file: usize) -> Result<Materials> {
+        Ok(match &entry.material {
+            Some((name, line)) => Materials::Whole(self.whole_mesh_material(name, *line, file)?),
+            None => Materials::Parts(self.take_part_materials(file)?),
+        })
+    }
+
+    fn put_back(&mut self, file: usize, materials: Materials) {
+        if let Materials::Parts(materials) = materials {
+            self.sources[file].materials = Some(materials);
+        }
+    }
+
+    /// Line of the mesh with which memory is exceeded; 0 where none is.
+    fn exceeding(&self, meshes: &[MeshEntry], files: &[usize]) -> Result<usize> {
+        let Some((have, _)) = memory::available() else { return Ok(0) };
+        let mut need = Need::default();
+        for (entry, &file) in meshes.iter().zip(files) {
+            need.add(self.path, entry, &self.sources[file].mesh)?;
+            if need.bytes() > have {
+                return Ok(entry.line);
+            }
+        }
+        Ok(0)
+    }
+
+    /// Materials of a file's parts, looked up once; taken from the file while they are used.
+    fn take_part_materials(&mut self, file: usize) -> Result<Vec<u32>> {
+        if let Some(materials) = self.sources[file].materials.take() {
+            return Ok(materials);
+        }
+        let count = self.sources[file].mesh.parts.len();
+        let mut materials = Vec::with_capacity(count);
+        let mut refusals = Refusals::default();
+        for part in 0..count {
+            let of = &self.sources[file].mesh.parts[part];
+            // A part without faces needs no material, but a name that is nowhere defined is refused all the same.
+            let unused = of.faces == 0 && of.name.is_empty();
+            let material = if unused { Some(0) } else { refusals.keep(self.part_material(file, part)) };
+            materials.push(material.unwrap_or(0));
+        }
+        refusals.finish()?;
+        Ok(materials)
+    }
+
+    fn place(&mut self, entry: &MeshEntry, file: usize, materials: &Materials) -> Result<()> {
+        let mesh = &self.sources[file].mesh;
+        // One material makes one part of the whole mesh, smooth only where all of it has normals.
+        let smooth = matches!(materials, Materials::Parts(_)) || mesh.all_normals;
+        let mut zero_normals = 0;
+        let corners_of = |triangle: &ObjTriangle| mesh.corners.get(triangle.corners as usize).filter(|_| smooth);
+        let raw = &mut self.raw;
+        let path = self.path;
+        in_batches(
+            &mesh.triangles,
+            |_, triangles| PlacedPart::of(entry, triangles, materials, corners_of),
+            |part| {
+                if let Some(triangle) = part.overflows {
+                    return Err(overflow(path, entry, &triangle));
+                }
+                let first = raw.corners.len() as u32;
+                raw.corners.extend(part.corners);
+                raw.triangles.extend(part.triangles.into_iter().map(|triangle| match triangle.corners {
+                    NO_INDEX => triangle,
+                    corners => RawTriangle { corners: first + corners, ..triangle },
+                }));
+                raw.degenerate += part.degenerate;
+                zero_normals += part.zero_normals;
+                Ok(())
+            },
+        )?;
+        if zero_normals > 0 {
+            raw.warnings.add("normals of length 0", || {
+                let path = quote::path(&mesh.path);
+                format!("{path}: {zero_normals} corners have a normal of length 0 and take that of their triangle")
+            });
+        }
+        Ok(())
     }
 
     /// The material that a `[[mesh]]` names for all its faces: the scene's own, or else the MTL file's.
-    fn whole_mesh_material(
-        &mut self,
-        name: &str,
-        line: usize,
-        mesh: &ObjMesh,
-        library: Option<&Library>,
-    ) -> Result<u32> {
-        if let Some(entry) = self.materials.iter().find(|material| material.name == name) {
+    fn whole_mesh_material(&mut self, name: &str, line: usize, file: usize) -> Result<u32> {
+        if let Some(&material) = self.material_of_name.get(name) {
+            let entry = &self.materials[material];
             let mut recipe = Recipe::default();
             entry.apply(&mut recipe);
             self.touched.insert(&entry.name);
             return Ok(self.material((None, name.to_owned()), recipe));
         }
-        if let Some(recipe) = library.and_then(|library| library.find(name)) {
-            return Ok(self.material((Some(mesh.path.clone()), name.to_owned()), recipe.clone()));
+        let key = (Some(file), name.to_owned());
+        if let Some(&known) = self.index.get(&key) {
+            return Ok(known);
         }
-        let of_library = library.iter().flat_map(|library| &library.recipes).map(|(known, _)| known.as_str());
-        let of_scene = self.materials.iter().map(|material| material.name.as_str());
-        let known = known_names(name, of_scene.chain(of_library), "the nearest that is defined is", "defined are");
+        let library = self.sources[file].library.as_ref();
+        let found = library.and_then(|library| self.libraries.find(library, name, &mut self.raw.warnings));
+        if let Some(recipe) = found.cloned() {
+            return Ok(self.material(key, recipe));
+        }
+        self.searched += 1;
+        let looked_at = if self.searched <= SEARCHES { usize::MAX } else { SEARCHES };
+        let library = self.sources[file].library.as_ref();
+        let names = self.known_names(library).take(looked_at);
+        let known = known_names(name, names, "the nearest that is defined is", "defined are");
         let allowed = known.unwrap_or_else(|| "none is defined by [material.NAME] or the mesh's MTL file".to_owned());
         Err(Error::scene(self.path, line, format!("material {}: no such material; {allowed}", quoted(name))))
     }
 
+    /// Names of the scene's materials and of those in the MTL files.
+    fn known_names<'b>(&'b self, library: Option<&'b Library>) -> impl Iterator<Item = &'b str> {
+        let of_scene = self.materials.iter().map(|material| material.name.as_str());
+        of_scene.chain(library.into_iter().flat_map(|library| self.libraries.names(library)))
+    }
+
     /// The material of one part of an OBJ file, as MTL file and scene define it together.
-    fn part_material(
-        &mut self,
-        mesh: &ObjMesh,
-        part: &super::obj_scan::Part,
-        library: Option<&Library>,
-    ) -> Result<u32> {
-        let defined = library.and_then(|library| library.find(&part.name));
-        let changed = self.materials.iter().find(|material| material.name == part.name);
-        if defined.is_none() && changed.is_none() && !part.name.is_empty() {
-            let of_library = library.iter().flat_map(|library| &library.recipes).map(|(name, _)| name.as_str());
-            let of_scene = self.materials.iter().map(|material| material.name.as_str());
-            return Err(mesh.unknown_material(part, of_library.chain(of_scene)));
+    fn part_material(&mut self, file: usize, part: usize) -> Result<u32> {
+        let (source, place) = (&self.sources[file], part);
+        let part = &source.mesh.parts[place];
+        let library = source.library.as_ref();
+        let found = library.and_then(|library| self.libraries.find(library, &part.name, &mut self.raw.warnings));
+        let changed = self.material_of_name.get(part.name.as_str()).map(|&material| &self.materials[material]);
+        if found.is_none() && changed.is_none() && !part.name.is_empty() {
+            self.searched += 1;
+            let looked_at = if self.searched <= SEARCHES { usize::MAX } else { SEARCHES };
+            let source = &self.sources[file];
+            let names = self.known_names(source.library.as_ref()).take(looked_at);
+            return Err(source.mesh.unknown_material(&source.mesh.parts[place], names));
         }
-        let mut recipe = defined.cloned().unwrap_or_default();
+        let mut recipe = found.cloned().unwrap_or_default();
         if let Some(entry) = changed {
             entry.apply(&mut recipe);
             self.touched.insert(&entry.name);
         }
-        Ok(self.material((Some(mesh.path.clone()), part.name.clone()), recipe))
+        let key = (Some(file), part.name.clone());
+        Ok(self.material(key, recipe))
     }
 
-    fn material(&mut self, key: (Option<PathBuf>, String), recipe: Recipe) -> u32 {
+    fn material(&mut self, key: (Option<usize>, String), recipe: Recipe) -> u32 {
         let materials = &mut self.raw.materials;
         let name = key.1.clone();
         *self.index.entry(key).or_insert_with(|| {
@@ -245,106 +378,4 @@ impl<'a> Assembly<'a> {
             (materials.len() - 1) as u32
         })
     }
-}
-
-/// Triangles of a mesh, placed; `corners` of a triangle count from the part's first.
-#[derive(Default)]
-struct PlacedPart {
-    triangles: Vec<RawTriangle>,
-    corners: Vec<RawCorners>,
-    degenerate: usize,
-    zero_normals: usize,
-    /// The first triangle with a corner out of range; those after it are not placed.
-    overflows: Option<ObjTriangle>,
-}
-
-impl PlacedPart {
-    fn of<'c>(
-        entry: &MeshEntry,
-        triangles: &[ObjTriangle],
-        material_of_part: &[u32],
-        corners_of: impl Fn(&ObjTriangle) -> Option<&'c ObjCorners>,
-    ) -> PlacedPart {
-        let mut part = PlacedPart { triangles: Vec::with_capacity(triangles.len()), ..PlacedPart::default() };
-        for triangle in triangles {
-            let positions = placed(entry, triangle);
-            if !positions.into_iter().all(in_range) {
-                part.overflows = Some(*triangle);
-                break;
-            }
-            let Some(front) = unit_normal(positions) else {
-                part.degenerate += 1;
-                continue;
-            };
-            let placed =
-                corners_of(triangle).and_then(|corners| placed_corners(entry, corners, front, &mut part.zero_normals));
-            let corners = placed.map_or(NO_INDEX, |corners| {
-                part.corners.push(corners);
-                (part.corners.len() - 1) as u32
-            });
-            let material = material_of_part[triangle.part as usize];
-            part.triangles.push(RawTriangle { positions, material, corners });
-        }
-        part
-    }
-}
-
-/// Positions in the scene.
-fn placed(entry: &MeshEntry, triangle: &ObjTriangle) -> [DVec3; 3] {
-    let [a, b, c] = triangle.positions.map(|position| entry.transform.point(position));
-    // A mirrored triangle turns the other way round: two corners are swapped to keep its front.
-    if entry.transform.mirrors() { [a, c, b] } else { [a, b, c] }
-}
-
-/// Unit normal of a triangle of any size, or nothing where its area is zero.
-pub(super) fn unit_normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
-    let (ab, ac) = (b - a, c - a);
-    // Scaled by a power of two, as products of the smallest legal edges would vanish.
-    let size = ab.abs().max(ac.abs()).max_element();
-    if size == 0.0 {
-        return None;
-    }
-    let scale = super::normalise::power_of_two(-super::normalise::exponent(size));
-    (ab * scale).cross(ac * scale).try_normalize()
-}
-
-/// The unit vector nearest to `normal` on the side of `front`; both are unit vectors.
-fn onto_front(normal: DVec3, front: DVec3) -> DVec3 {
-    let height = normal.dot(front);
-    if height >= 0.0 {
-        return normal;
-    }
-    (normal - height * front).try_normalize().unwrap_or(front)
-}
-
-/// Unit normals on the side of the front, or nothing where all of them are the triangle's own.
-fn placed_corners(
-    entry: &MeshEntry,
-    corners: &ObjCorners,
-    front: DVec3,
-    zero_normals: &mut usize,
-) -> Option<RawCorners> {
-    let mut normals = corners.normals.map(|normal| {
-        let size = normal.abs().max_element();
-        let turned = if size > 0.0 { entry.transform.normal(normal / size).try_normalize() } else { None };
-        turned.unwrap_or_else(|| {
-            *zero_normals += 1;
-            front
-        })
-    });
-    // Normals of the wrong sign are so for the triangle as a whole: turned corner by corner, those of a triangle on a
-    // silhouette would point to opposite sides.
-    if (normals[0] + normals[1] + normals[2]).dot(front) < 0.0 {
-        normals = normals.map(|normal| -normal);
-    }
-    normals = normals.map(|normal| onto_front(normal, front));
-    if normals.iter().all(|&normal| (normal - front).abs().max_element() <= SAME_NORMAL) {
-        return None;
-    }
-    let mut uvs = corners.uvs;
-    if entry.transform.mirrors() {
-        normals.swap(1, 2);
-        uvs.swap(1, 2);
-    }
-    Some(RawCorners { normals, uvs })
 }

@@ -116,7 +116,7 @@ mod tests {
             ["vfov = 30.0", "vfov = 31.0"],
             ["2.78, 2.73, -8.0", "2.78, 2.73, -8.5"],
             ["Kd 0.", "Kd 0.0"],
-            ["v ", "v -"],
+            ["\nv ", "\nv -"],
         ] {
             assert_ne!(digest("a.toml", change), plain, "{change:?}");
         }

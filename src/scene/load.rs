@@ -10,7 +10,7 @@ use glam::DVec3;
 use super::assemble::{RawScene, assemble, assemble_bare};
 use super::normalise::{bounds, normalise};
 use super::{Camera, LoadReport, RenderDefaults, Scene, foreign_format, scene_file, source_text};
-use crate::{Error, Result};
+use crate::{Error, Result, quote};
 
 /// Vertical field of view of the camera that frames a bare OBJ, in degrees.
 const FRAMING_VFOV: f64 = 30.0;
@@ -80,9 +80,9 @@ fn finish(
 ) -> Result<Scene> {
     let scaled = normalise(path, camera_line, &raw, &camera, sky)?;
     let files = std::mem::take(&mut raw.files);
-    let mut warnings = std::mem::take(&mut raw.warnings);
+    let mut warnings = std::mem::take(&mut raw.warnings).finish();
     if scaled.degenerate > 0 {
-        warnings.push(format!("{}: {} degenerate triangles removed", path.display(), scaled.degenerate));
+        warnings.push(format!("{}: {} degenerate triangles removed", quote::path(path), scaled.degenerate));
     }
     Ok(Scene {
         name: path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),

@@ -6,37 +6,42 @@
 //! by a power of two so that the brightest emission lies in [1, 2). Both scalings are exact and undone at output.
 //!
 //! ```text
-//! scene_file (toml_table, nearest)     what a .toml scene says, with lines
+//! scene_file (toml_source, toml_table) what a .toml scene says, with lines
 //! refusals                             all that is wrong in a file, told at once
 //! foreign                              other formats, and how they become readable
-//! obj_scan, mtl_scan (recipe, number)  own every refusal of OBJ and MTL
-//!   → obj_mesh                         tobj builds triangles in file order
-//!   → assemble (transform)             meshes placed, materials by name, f64
+//! obj_scan, mtl_scan (recipe, number)  own every refusal of OBJ and MTL; census says what memory they ask for
+//!   → obj_mesh, library                tobj builds triangles in file order; the MTL files, each read once
+//!   → assemble (need, placement)       meshes placed by their transforms, materials by name, f64
 //!   → normalise                        scaled units, f32
 //! ```
 
 mod assemble;
 mod batches;
 pub mod camera;
-#[cfg(test)]
-mod damage;
+mod census;
 mod digest;
 mod foreign;
+mod library;
 mod load;
 pub mod material;
 mod mtl_scan;
 mod nearest;
+mod need;
 pub(crate) mod normalise;
 mod number;
 mod obj_mesh;
 mod obj_scan;
+mod obj_words;
+mod placement;
 mod polygon;
 mod recipe;
 mod refusals;
 mod scene_file;
 mod source_text;
+mod toml_source;
 mod toml_table;
 mod transform;
+mod warnings;
 
 use std::path::PathBuf;
 
@@ -150,7 +155,11 @@ pub struct RenderDefaults {
 /// What loading read, left out or ignored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadReport {
-    /// The OBJ and MTL files that were read beside [`Scene::path`].
+    /// Every file beside [`Scene::path`] that the scene names, whether it was read or not, in order and none twice: no
+    /// output may take its place. OBJ files; what `mtllib` statements name, also where a material of the scene file
+    /// made reading it needless; images in the MTL files that were read. As names may hold blanks and options stand
+    /// before them, several readings of one statement are listed: those of its words that end it, from one word to
+    /// sixteen.
     pub files: Vec<PathBuf>,
     /// Triangles without area that were removed.
     pub degenerate_triangles: usize,

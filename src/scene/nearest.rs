@@ -3,22 +3,27 @@
 //! Comes in: a name and the known names. Goes out: the known name of the least edit distance, the first among equals;
 //! none where the least distance is so large that another name must have been meant.
 
-use super::source_text::quoted;
+use crate::quote::quoted;
 
-/// Names that a message lists where none is near.
+/// Known names that are looked at: all of them in files that people write, and no long wait in others.
+const LOOKED_AT: usize = 1 << 15;
+/// Names that a message lists where none is near,
 const LISTED: usize = 12;
+/// and about how many characters of them.
+const LISTED_CHARACTERS: usize = 160;
 
 /// The nearest of `known`, or `None` where none is near: up to a third of the longer name may differ, and one letter of
-/// any name.
+/// any name. Only the first 32768 are looked at.
 pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let known = known.into_iter().take(LOOKED_AT);
     let (candidate, distance) =
-        known.into_iter().map(|known| (known, edit_distance(name, known))).min_by_key(|(_, distance)| *distance)?;
+        known.map(|known| (known, edit_distance(name, known))).min_by_key(|(_, distance)| *distance)?;
     let longer = name.chars().count().max(candidate.chars().count());
     // Letters that all differ are no slip, however short the names are.
     (distance <= (longer / 3).max(1) && distance < longer).then_some(candidate)
 }
 
-/// What a message says of the known names: the nearest, or where none is near, all (of many, the first dozen); `None`
+/// What a message says of the known names: the nearest, or where none is near, all (of many, the first few); `None`
 /// where there are none.
 pub(super) fn known_names<'a>(
     name: &str,
@@ -32,8 +37,17 @@ pub(super) fn known_names<'a>(
     if let Some(near) = nearest(name, names.iter().copied()) {
         return Some(format!("{nearest_is} {}", quoted(near)));
     }
-    let listed: Vec<String> = names.iter().take(LISTED).map(|name| quoted(name)).collect();
-    let rest = names.len().saturating_sub(LISTED);
+    let mut listed: Vec<String> = Vec::new();
+    let mut characters = 0;
+    for name in names.iter().take(LISTED) {
+        if characters >= LISTED_CHARACTERS {
+            break;
+        }
+        let name = quoted(name);
+        characters += name.chars().count();
+        listed.push(name);
+    }
+    let rest = names.len().saturating_sub(listed.len());
     let more = if rest > 0 { format!(" and {rest} more") } else { String::new() };
     (!names.is_empty()).then(|| format!("{all_are} {}{more}", listed.join(", ")))
 }

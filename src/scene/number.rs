@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-use super::source_text::quoted;
+use crate::quote::quoted;
 
 /// Largest magnitude of a number in a file. Squares and products of three such numbers stay finite in f64.
 pub(super) const MAX_MAGNITUDE: f64 = 1e100;

@@ -4,17 +4,18 @@
 //! change of material, and numbers within a model do not reorder faces). Materials are numbers of parts until they are
 //! looked up: a scene that gives the whole mesh a material of its own needs no MTL file.
 
-use std::collections::HashSet;
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
 
-use super::mtl_scan::Library;
+use super::census::Census;
 use super::nearest::known_names;
 use super::obj_scan::{self, Part};
-use super::source_text::{self, quoted};
+use super::source_text::{self, check_memory};
+use super::warnings::Warnings;
 use crate::interface::NO_INDEX;
+use crate::quote::{self, quoted};
 use crate::{Error, Result};
 
 /// The triangles of one OBJ file, in its units.
@@ -27,9 +28,10 @@ pub(super) struct ObjMesh {
     pub corners: Vec<ObjCorners>,
     /// Parts by number.
     pub parts: Vec<Part>,
-    /// Warnings with file and line.
-    pub warnings: Vec<String>,
-    libraries: Vec<(String, usize)>,
+    /// What `mtllib` statements name, with their lines; none twice.
+    pub libraries: Vec<(String, usize)>,
+    /// Whether every corner of every face has a normal.
+    pub all_normals: bool,
 }
 
 /// One triangle of a part.
@@ -54,27 +56,24 @@ pub(super) struct ObjCorners {
 
 impl ObjMesh {
     /// Reads `path`. `named_by` is the file and line that ask for it, for the refusal of a file that is not there.
-    pub(super) fn load(path: &Path, named_by: Option<(&Path, usize)>) -> Result<ObjMesh> {
+    pub(super) fn load(path: &Path, named_by: Option<(&Path, usize)>, warnings: &mut Warnings) -> Result<ObjMesh> {
         let bytes = source_text::read_bytes(path).map_err(|reason| match named_by {
             Some((file, line)) => {
                 Error::scene(file, line, format!("mesh file {}: {reason}", quoted(&path.display().to_string())))
             }
             None => Error::scene(path, 0, reason),
         })?;
-        ObjMesh::from_bytes(path, bytes)
-    }
-
-    /// The mesh in `bytes`, which `path` holds.
-    pub(super) fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<ObjMesh> {
         let text = source_text::decode(path, bytes)?;
-        let scan = obj_scan::scan(path, &text)?;
+        let census = Census::of(&text);
+        check_memory(path, 0, "its faces", census.obj_bytes().saturating_add(text.len() as u64))?;
+        let scan = obj_scan::scan(path, &text, &census, warnings)?;
         drop(text);
         let mut mesh = ObjMesh {
             path: path.to_owned(),
             triangles: Vec::new(),
             corners: Vec::new(),
+            all_normals: scan.parts.iter().all(|part| part.faces == 0 || part.all_normals),
             parts: scan.parts,
-            warnings: scan.warnings,
             libraries: scan.libraries,
         };
         mesh.build(&scan.canonical)?;
@@ -96,18 +95,27 @@ impl ObjMesh {
         };
         let mut reader = Cursor::new("mtllib numbered\n").chain(Cursor::new(canonical));
         let (models, _) = tobj::load_obj_buf(&mut reader, &options, numbered).map_err(|error| {
-            Error::Internal(format!("{}: the scan let pass what tobj refuses: {error}", self.path.display()))
+            Error::Internal(format!("{}: the scan let pass what tobj refuses: {error}", quote::path(&self.path)))
         })?;
-        self.triangles.reserve(models.iter().map(|model| model.mesh.indices.len() / 3).sum());
+        self.triangles.reserve_exact(models.iter().map(|model| model.mesh.indices.len() / 3).sum());
+        self.corners.reserve_exact(
+            models.iter().filter(|model| self.smooth(&model.mesh)).map(|model| model.mesh.indices.len() / 3).sum(),
+        );
         for model in models {
             self.append(&model.mesh);
         }
         Ok(())
     }
 
+    /// Whether every corner of the mesh's part has a normal.
+    fn smooth(&self, mesh: &tobj::Mesh) -> bool {
+        let part = mesh.material_id.map_or(0, |index| index + 1);
+        self.parts[part].all_normals && mesh.normal_indices.len() == mesh.indices.len()
+    }
+
     fn append(&mut self, mesh: &tobj::Mesh) {
         let part = mesh.material_id.map_or(0, |index| index + 1);
-        let has_normals = self.parts[part].all_normals && mesh.normal_indices.len() == mesh.indices.len();
+        let has_normals = self.smooth(mesh);
         let has_uvs = self.parts[part].all_uvs && mesh.texcoord_indices.len() == mesh.indices.len();
         let point = |data: &[f64], index: u32| DVec3::from_slice(&data[3 * index as usize..]);
         for (first, indices) in mesh.indices.chunks_exact(3).enumerate() {
@@ -128,26 +136,16 @@ impl ObjMesh {
         }
     }
 
-    /// The MTL files that the OBJ file names, beside it.
-    pub(super) fn library(&self) -> Result<Library> {
-        let mut library = Library::default();
+    /// What the `mtllib` statements may name, beside the OBJ file: all words of one together, and each of them.
+    pub(super) fn library_paths(&self) -> impl Iterator<Item = PathBuf> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        let mut read = HashSet::new();
-        for (names, line) in &self.libraries {
-            // The format separates several names by blanks, and exporters write single names that hold blanks.
-            let whole = folder.join(names).exists();
-            let names = if whole { vec![names.as_str()] } else { names.split_ascii_whitespace().collect() };
-            for name in names {
-                let path = folder.join(name);
-                if !read.insert(path.clone()) {
-                    continue;
-                }
-                let bytes = source_text::read_bytes(&path)
-                    .map_err(|reason| Error::scene(&self.path, *line, format!("mtllib {}: {reason}", quoted(name))))?;
-                library.scan(&path, &source_text::decode(&path, bytes)?)?;
-            }
-        }
-        Ok(library)
+        let names = |(names, _): &'_ (String, usize)| -> Vec<PathBuf> {
+            std::iter::once(names.as_str())
+                .chain(names.split_ascii_whitespace())
+                .map(|name| folder.join(name))
+                .collect()
+        };
+        self.libraries.iter().flat_map(names)
     }
 
     /// The refusal of a `usemtl` whose name is in none of `known`.

@@ -4,19 +4,22 @@
 //! `vn`, `f` and numbered `usemtl` lines, so that none of `tobj`'s habits (triangles made of `l`, names cut at a tab,
 //! vertex colours out of step) can be met. What reads the canonical text may assume that every index is in range.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use glam::DVec3;
 
-use super::number::{in_range, parse_number};
+use super::census::Census;
+use super::number::in_range;
+use super::obj_words::{MAX_COUNT, index, numbers, push_numbers, push_words, rest, room_for};
 use super::polygon::{Flaw, flaw};
 use super::refusals::Refusals;
-use super::source_text::quoted;
+use super::warnings::Warnings;
+use crate::quote::{self, quoted};
 use crate::{Error, Result};
 
-/// Most vertices, normals or corners: their indices are kept as `u32`, and a device has no room for more.
-const MAX_COUNT: usize = 1 << 31;
+/// Longest statement of numbers that are written anew, in bytes.
+const MAX_NUMBERS_BYTES: usize = 96;
 
 /// Statements of the OBJ format that say nothing about the surface of polygons.
 const SILENT: [&str; 14] = [
@@ -42,10 +45,8 @@ pub(super) struct ObjScan {
     pub canonical: String,
     /// Materials by number; 0 is that of the faces above any `usemtl`.
     pub parts: Vec<Part>,
-    /// What `mtllib` statements name, with their lines.
+    /// What `mtllib` statements name, with their lines; none twice.
     pub libraries: Vec<(String, usize)>,
-    /// Warnings with file and line.
-    pub warnings: Vec<String>,
 }
 
 /// The faces of one material.
@@ -69,16 +70,17 @@ impl Part {
     }
 }
 
-/// Scans `text`, which `path` holds.
-pub(super) fn scan(path: &Path, text: &str) -> Result<ObjScan> {
+/// Scans `text`, which `path` holds and whose statements were counted.
+pub(super) fn scan(path: &Path, text: &str, census: &Census, warnings: &mut Warnings) -> Result<ObjScan> {
     let mut scanner = Scanner {
-        positions: Vec::new(),
+        positions: Vec::with_capacity(census.positions),
         uvs: 0,
         normals: 0,
         part: 0,
         parts: vec![Part::new("", 0)],
         part_of_name: HashMap::new(),
         libraries: Vec::new(),
+        library_names: HashSet::new(),
         canonical: String::with_capacity(text.len() + 64),
         corners: Vec::new(),
         unknown: Tally::default(),
@@ -94,7 +96,7 @@ pub(super) fn scan(path: &Path, text: &str) -> Result<ObjScan> {
         }
     }
     refusals.finish()?;
-    scanner.finish(path)
+    scanner.finish(path, warnings)
 }
 
 /// How often something was met, and where first.
@@ -115,14 +117,15 @@ impl Tally {
     }
 }
 
-struct Scanner {
+struct Scanner<'a> {
     positions: Vec<DVec3>,
     uvs: usize,
     normals: usize,
     part: usize,
     parts: Vec<Part>,
-    part_of_name: HashMap<String, usize>,
+    part_of_name: HashMap<&'a str, usize>,
     libraries: Vec<(String, usize)>,
+    library_names: HashSet<&'a str>,
     canonical: String,
     /// Positions of the face at hand, kept to spare an allocation a face.
     corners: Vec<DVec3>,
@@ -132,8 +135,8 @@ struct Scanner {
     folded: Tally,
 }
 
-impl Scanner {
-    fn statement(&mut self, line: &str, number: usize) -> std::result::Result<(), String> {
+impl<'a> Scanner<'a> {
+    fn statement(&mut self, line: &'a str, number: usize) -> std::result::Result<(), String> {
         let mut words = line.split_ascii_whitespace();
         let Some(keyword) = words.next() else { return Ok(()) };
         match keyword {
@@ -145,7 +148,9 @@ impl Scanner {
             "mtllib" => match rest(line, keyword) {
                 "" => Err("mtllib without a file name; allowed is mtllib FILE".to_owned()),
                 name => {
-                    self.libraries.push((name.to_owned(), number));
+                    if self.library_names.insert(name) {
+                        self.libraries.push((name.to_owned(), number));
+                    }
                     Ok(())
                 }
             },
@@ -178,6 +183,7 @@ impl Scanner {
             return Err(format!("v with {count} numbers; allowed are 3 (x y z), 4 (with w) or 6 (with a colour)"));
         }
         let w = if count == 4 { values[3] } else { 1.0 };
+        self.room_to_write()?;
         let position = DVec3::new(values[0], values[1], values[2]) / w;
         if !in_range(position) {
             return Err(format!("v with w = {w:e}; allowed is a w that keeps x/w, y/w and z/w within 1e100"));
@@ -197,6 +203,7 @@ impl Scanner {
             return Err("vt with 0 numbers; allowed are 1 to 3 (u v w)".to_owned());
         }
         room_for(self.uvs, "texture coordinates")?;
+        self.room_to_write()?;
         self.uvs += 1;
         match count {
             2 => push_words(&mut self.canonical, "vt", body),
@@ -216,7 +223,7 @@ impl Scanner {
         Ok(())
     }
 
-    fn face<'a>(&mut self, words: impl Iterator<Item = &'a str>, line: usize) -> std::result::Result<(), String> {
+    fn face(&mut self, words: impl Iterator<Item = &'a str>, line: usize) -> std::result::Result<(), String> {
         self.corners.clear();
         let (mut all_uvs, mut all_normals) = (true, true);
         self.canonical.push('f');
@@ -263,7 +270,13 @@ impl Scanner {
         Ok(())
     }
 
-    fn use_material(&mut self, name: &str, line: usize) -> std::result::Result<(), String> {
+    /// Refuses a text that grows beyond memory when its numbers are written anew.
+    fn room_to_write(&mut self) -> std::result::Result<(), String> {
+        let refused = |_| "the text, with its numbers written anew, does not fit in memory".to_owned();
+        self.canonical.try_reserve(MAX_NUMBERS_BYTES).map_err(refused)
+    }
+
+    fn use_material(&mut self, name: &'a str, line: usize) -> std::result::Result<(), String> {
         if name.is_empty() {
             return Err("usemtl without a name; allowed is usemtl NAME".to_owned());
         }
@@ -271,97 +284,45 @@ impl Scanner {
             Some(&part) => part,
             None => {
                 self.parts.push(Part::new(name, line));
-                self.part_of_name.insert(name.to_owned(), self.parts.len() - 1);
+                self.part_of_name.insert(name, self.parts.len() - 1);
                 self.parts.len() - 1
             }
         };
+        self.room_to_write()?;
         self.canonical.push_str("usemtl ");
         self.canonical.push_str(&self.part.to_string());
         self.canonical.push('\n');
         Ok(())
     }
 
-    fn finish(self, path: &Path) -> Result<ObjScan> {
+    fn finish(self, path: &Path, warnings: &mut Warnings) -> Result<ObjScan> {
         if self.parts.iter().all(|part| part.faces == 0) {
             return Err(Error::scene(path, 0, "no face (f) in the file; allowed is an OBJ file with at least one"));
         }
-        let mut warnings = Vec::new();
-        let mut warn = |tally: &Tally, text: &str| {
+        let mut warn = |tally: &Tally, kind: &'static str, text: &str| {
             if tally.count > 0 {
                 let (line, count, word) = (tally.line, tally.count, quoted(&tally.word));
+                // The word comes last: what it holds is not looked at.
                 let text = text.replace("{n}", &count.to_string()).replace("{word}", &word);
-                warnings.push(format!("{}:{line}: {text}", path.display()));
+                warnings.add(kind, || format!("{}:{line}: {text}", quote::path(path)));
             }
         };
-        warn(&self.unknown, "{word} is no statement of the OBJ format: {n} such lines ignored (the first is here)");
-        warn(&self.curved, "{word}: {n} lines of curves and curved surfaces ignored (the first is here)");
-        warn(&self.bent, "{n} polygons are not planar and were split into fans (the first is here)");
-        warn(&self.folded, "{n} polygons are concave, and the fans they were split into overlap (the first is here)");
-        Ok(ObjScan { canonical: self.canonical, parts: self.parts, libraries: self.libraries, warnings })
+        warn(
+            &self.unknown,
+            "unknown statements",
+            "{word} is no statement of the OBJ format: {n} such lines ignored (the first is here)",
+        );
+        warn(&self.curved, "curves", "{word}: {n} lines of curves and curved surfaces ignored (the first is here)");
+        warn(
+            &self.bent,
+            "polygons that are not planar",
+            "{n} polygons are not planar and were split into fans (the first is here)",
+        );
+        warn(
+            &self.folded,
+            "concave polygons",
+            "{n} polygons are concave, and the fans they were split into overlap (the first is here)",
+        );
+        Ok(ObjScan { canonical: self.canonical, parts: self.parts, libraries: self.libraries })
     }
-}
-
-/// The part of the line after its keyword, without surrounding blanks.
-pub(super) fn rest<'a>(line: &'a str, keyword: &str) -> &'a str {
-    line.trim_start().strip_prefix(keyword).unwrap_or("").trim()
-}
-
-/// Up to `N` numbers and their count; the rest of the array is zero, and a word too many is refused by its count.
-fn numbers<'a, const N: usize>(words: impl Iterator<Item = &'a str>) -> std::result::Result<([f64; N], usize), String> {
-    let mut values = [0.0; N];
-    let mut count = 0;
-    for word in words {
-        let value = parse_number(word)?;
-        if count == N {
-            return Err(format!("more than {N} numbers, the next is {}", quoted(word)));
-        }
-        values[count] = value;
-        count += 1;
-    }
-    Ok((values, count))
-}
-
-/// Appends a statement as the file has it: writing its numbers anew would take longer than reading them.
-fn push_words(canonical: &mut String, keyword: &str, words: &str) {
-    for text in [keyword, " ", words, "\n"] {
-        canonical.push_str(text);
-    }
-}
-
-/// Appends a statement whose numbers read back as the same f64.
-fn push_numbers(canonical: &mut String, keyword: &str, values: &[f64]) {
-    use std::fmt::Write;
-    canonical.push_str(keyword);
-    for value in values {
-        // Writing to a String cannot fail.
-        let _ = write!(canonical, " {value:e}");
-    }
-    canonical.push('\n');
-}
-
-/// Position, from 0, that an index of a face means; indices count from 1, or backwards from -1.
-fn index(text: &str, corner: &str, count: usize, noun: &str, nouns: &str) -> std::result::Result<usize, String> {
-    let in_range = match text.parse::<i64>() {
-        Ok(value) if value > 0 => usize::try_from(value - 1).ok(),
-        Ok(value) if value < 0 => usize::try_from(value.unsigned_abs()).ok().and_then(|back| count.checked_sub(back)),
-        _ => None,
-    };
-    match in_range {
-        Some(position) if position < count => Ok(position),
-        _ if count == 0 => {
-            Err(format!("{noun} index {} in corner {}: no {nouns} stand above", quoted(text), quoted(corner)))
-        }
-        _ => Err(format!(
-            "{noun} index {} in corner {}; allowed are 1 to {count} and -{count} to -1, the {nouns} above this line",
-            quoted(text),
-            quoted(corner)
-        )),
-    }
-}
-
-fn room_for(count: usize, nouns: &str) -> std::result::Result<(), String> {
-    if count >= MAX_COUNT {
-        return Err(format!("more than {MAX_COUNT} {nouns}"));
-    }
-    Ok(())
 }

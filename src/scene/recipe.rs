@@ -5,7 +5,7 @@
 
 use super::material::MaterialKind;
 use super::number::parse_number;
-use super::source_text::quoted;
+use crate::quote::quoted;
 
 /// The quantities of a material; each has its MTL default until it is stated.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,10 +18,12 @@ use glam::{DMat3, DVec3};
 use super::nearest::nearest;
 use super::recipe::{Quantity, Recipe};
 use super::refusals::Refusals;
-use super::source_text::quoted;
-use super::toml_table::{Entry, Table, parse};
+use super::source_text::check_memory;
+use super::toml_source::Source;
+use super::toml_table::{Entry, Table};
 use super::transform::{Transform, rotation};
 use super::{Camera, FilmSettings, Filter, RenderDefaults, foreign_format};
+use crate::quote::{self, quoted};
 use crate::{Error, Result};
 
 /// A scene file.
@@ -77,13 +79,15 @@ impl MaterialEntry {
 
 /// Reads `text`, which `path` holds. All that is wrong is refused at once.
 pub(super) fn read(path: &Path, text: &str) -> Result<SceneFile> {
-    let parsed = parse(path, text)?;
+    let source = Source::new(path, text);
+    check_memory(path, 0, "its tables", source.memory_bytes())?;
+    let parsed = source.parse()?;
     let mut refusals = Refusals::default();
-    let file = read_root(&Table::root(path, text, &parsed), path, &mut refusals);
+    let file = read_root(&Table::root(&source, &parsed), path, &mut refusals);
     refusals.in_order_of_lines();
     refusals.finish()?;
     // What was not refused was read.
-    file.ok_or_else(|| Error::Internal(format!("{}: neither read nor refused", path.display())))
+    file.ok_or_else(|| Error::Internal(format!("{}: neither read nor refused", quote::path(path))))
 }
 
 fn read_root(root: &Table, path: &Path, refusals: &mut Refusals) -> Option<SceneFile> {

@@ -3,29 +3,52 @@
 //! Comes in: a path. Goes out: text without control bytes, or the reason why there is none. What reads the text may
 //! assume that it is UTF-8, not empty, and that no line is longer than [`MAX_LINE_BYTES`].
 
-use std::io::ErrorKind;
-use std::path::Path;
+use std::collections::{BTreeSet, HashMap};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
-use crate::{Error, Result};
+use crate::input_file::InputFile;
+use crate::{Error, Result, memory};
 
 /// Longest line that is read, in bytes: no program writes longer ones, and a message has to quote them.
 pub(super) const MAX_LINE_BYTES: usize = 1 << 20;
 
+/// Copies of a text that are held at a time: as it is read and as it is written anew, or decoded.
+const COPIES: u64 = 2;
+
 /// Bytes of the file, or in a few words why it cannot be read: the caller knows who names the file.
 pub(super) fn read_bytes(path: &Path) -> std::result::Result<Vec<u8>, String> {
-    let reason = |error: std::io::Error| match error.kind() {
-        ErrorKind::NotFound => "no such file".to_owned(),
-        ErrorKind::PermissionDenied => "no permission to read it".to_owned(),
-        _ => error.to_string(),
-    };
-    let metadata = std::fs::metadata(path).map_err(reason)?;
-    if metadata.is_dir() {
-        return Err("is a directory; allowed is a file".to_owned());
+    let file = InputFile::open(path)?;
+    memory::check("its text", file.bytes.saturating_mul(COPIES)).map_err(|error| error.to_string())?;
+    file.read()
+}
+
+/// Refuses the file `path` where what its text asks for, by its statements, is more than there is.
+pub(super) fn check_memory(path: &Path, line: usize, what: &str, need: u64) -> Result<()> {
+    memory::check(what, need).map_err(|error| Error::scene(path, line, error.to_string()))
+}
+
+/// Paths that a scene names, in order and none twice; compared as text, which is faster than part by part.
+pub(super) type Named = BTreeSet<OsString>;
+
+/// Files told apart by the folder that they lie in, whatever names lead to it.
+#[derive(Default)]
+pub(super) struct Folders {
+    canonical: HashMap<PathBuf, PathBuf>,
+}
+
+impl Folders {
+    /// The file's name in its folder's only name. A link is a file of its own: what lies beside it counts.
+    pub(super) fn key(&mut self, path: &Path) -> PathBuf {
+        let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return path.to_owned() };
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        if let Some(canonical) = self.canonical.get(folder) {
+            return canonical.join(name);
+        }
+        let canonical = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        self.canonical.insert(folder.to_owned(), canonical.clone());
+        canonical.join(name)
     }
-    if !metadata.is_file() {
-        return Err("is not a regular file".to_owned());
-    }
-    std::fs::read(path).map_err(reason)
 }
 
 /// Text of `bytes`, which `path` holds. Bytes that are not UTF-8 are read as Latin-1, as old exporters write names.
@@ -37,14 +60,21 @@ pub(super) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String> {
         return Err(Error::scene(path, 0, "the file is UTF-16; allowed is UTF-8 text"));
     }
     check_bytes(path, &bytes)?;
-    let text = match String::from_utf8(bytes) {
+    let mut text = match String::from_utf8(bytes) {
         Ok(text) => text,
-        Err(error) => error.into_bytes().iter().map(|&byte| char::from(byte)).collect(),
+        Err(error) => {
+            let bytes = error.into_bytes();
+            // No letter of Latin-1 takes more than two bytes of UTF-8.
+            check_memory(path, 0, "its text, read as Latin-1", 2 * bytes.len() as u64)?;
+            let mut text = String::with_capacity(2 * bytes.len());
+            text.extend(bytes.iter().map(|&byte| char::from(byte)));
+            text
+        }
     };
-    match text.strip_prefix('\u{feff}') {
-        Some(rest) => Ok(rest.to_owned()),
-        None => Ok(text),
+    if text.starts_with('\u{feff}') {
+        text.drain(..'\u{feff}'.len_utf8());
     }
+    Ok(text)
 }
 
 /// Refuses control bytes and over-long lines.
@@ -69,14 +99,6 @@ fn check_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// The value as a message quotes it: in quotes, cut after 40 characters.
-pub(super) fn quoted(value: &str) -> String {
-    match value.char_indices().nth(40) {
-        Some((end, _)) => format!("\"{}…\"", &value[..end]),
-        None => format!("\"{value}\""),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -89,8 +111,13 @@ mod tests {
     }
 
     #[test]
-    fn long_values_are_cut_when_quoted() {
-        assert_eq!(quoted("short"), "\"short\"");
-        assert_eq!(quoted(&"ä".repeat(50)), format!("\"{}…\"", "ä".repeat(40)));
+    fn names_of_one_folder_lead_to_one_file() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("a")).unwrap();
+        let mut folders = Folders::default();
+        let keys =
+            ["a/m.obj", "a/./m.obj", "a/../a/m.obj", "a//m.obj"].map(|name| folders.key(&folder.path().join(name)));
+        assert!(keys.iter().all(|key| *key == keys[0]), "{keys:?}");
+        assert_ne!(folders.key(&folder.path().join("m.obj")), keys[0]);
     }
 }

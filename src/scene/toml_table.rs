@@ -3,21 +3,20 @@
 //! Comes in: the text of a `.toml` file. Goes out: checked values, each refusal with the line of its key, the value as
 //! the file has it and what is allowed. Every table tells which of its keys are not known.
 
-use std::path::Path;
-
 use glam::DVec3;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::nearest::known_names;
 use super::number::MAX_MAGNITUDE;
-use super::source_text::quoted;
+use super::toml_source::Source;
+use crate::quote::{self, quoted};
 use crate::{Error, Result};
 
 /// One table.
 #[derive(Clone, Copy)]
 pub(super) struct Table<'a> {
-    source: Source<'a>,
+    source: &'a Source<'a>,
     /// As messages name it: `[camera]`.
     name: &'a str,
     /// Its line, from 1.
@@ -25,41 +24,20 @@ pub(super) struct Table<'a> {
     entries: &'a DeTable<'a>,
 }
 
-/// The file that a table stands in.
-#[derive(Clone, Copy)]
-struct Source<'a> {
-    path: &'a Path,
-    text: &'a str,
-}
-
-impl Source<'_> {
-    fn line(&self, offset: usize) -> usize {
-        1 + self.text.as_bytes().iter().take(offset).filter(|&&byte| byte == b'\n').count()
-    }
-}
-
 /// A value with its key.
 #[derive(Clone, Copy)]
 pub(super) struct Entry<'a> {
-    source: Source<'a>,
+    source: &'a Source<'a>,
     key: &'a str,
     /// Line of the value, from 1.
     pub line: usize,
     value: &'a Spanned<DeValue<'a>>,
 }
 
-/// Parses `text`, which `path` holds.
-pub(super) fn parse<'a>(path: &Path, text: &'a str) -> Result<Spanned<DeTable<'a>>> {
-    DeTable::parse(text).map_err(|error| {
-        let line = error.span().map_or(0, |span| Source { path, text }.line(span.start));
-        Error::scene(path, line, format!("not valid TOML: {}", error.message().replace('\n', "; ")))
-    })
-}
-
 impl<'a> Table<'a> {
     /// The whole file as a table.
-    pub(super) fn root(path: &'a Path, text: &'a str, root: &'a Spanned<DeTable<'a>>) -> Table<'a> {
-        Table { source: Source { path, text }, name: "the file", line: 1, entries: root.get_ref() }
+    pub(super) fn root(source: &'a Source<'a>, root: &'a Spanned<DeTable<'a>>) -> Table<'a> {
+        Table { source, name: "the file", line: 1, entries: root.get_ref() }
     }
 
     /// A refusal of each key that is neither `known` nor `unbuilt`; it offers the `known` ones.
@@ -133,14 +111,10 @@ impl<'a> Entry<'a> {
 
     /// The value as the file has it, on one line and cut after 40 characters.
     fn written(&self) -> String {
-        let span = self.value.span();
-        let text = self.source.text.get(span).unwrap_or_default();
-        let mut line = text.split_ascii_whitespace().collect::<Vec<_>>().join(" ");
-        if let Some((end, _)) = line.char_indices().nth(40) {
-            line.truncate(end);
-            line.push('…');
-        }
-        line
+        let text = self.source.text.get(self.value.span()).unwrap_or_default();
+        // More words than characters that are shown need not be joined.
+        let words = text.split_ascii_whitespace().take(quote::MOST_SHOWN).collect::<Vec<_>>();
+        quote::shown(&words.join(" "))
     }
 
     /// A table; who reads it refuses its unknown keys ([`Table::unknown_keys`]).

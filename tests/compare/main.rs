@@ -71,14 +71,77 @@ fn pixels_that_are_not_finite_are_told_and_keep_no_limit() {
     folder.write("b.exr", &b);
     let found = folder.json(&["a.exr", "b.exr"], 0);
     assert_eq!((&found["not_finite"], &found["not_finite_reference"]), (&2.into(), &1.into()));
-    assert!(found["figures"]["rmse"].is_f64() && found["hdr_flip"].is_null());
-    assert_eq!(found["hdr_flip_missing"], "it needs pixels that are finite");
+    assert_eq!(found["not_finite_in_one"], 1);
+    assert!(found["figures"]["rmse"].is_f64() && found["hdr_flip"]["mean"].as_f64() > Some(0.0));
     let found = folder.json(&["a.exr", "b.exr", "--max-rmse", "1e9"], 1);
     assert_eq!(found["exceeded"][0], "RMSE is unknown, so not within --max-rmse 1000000000");
+    assert_eq!(folder.json(&["a.exr", "b.exr", "--max-flip", "1"], 1)["exceeded"].as_array().map(Vec::len), Some(1));
     let output = folder.run(&["a.exr", "b.exr"]);
     assert!(text(&output.stdout).contains("2 pixels of A, 1 of B: left out"), "{}", text(&output.stdout));
     folder.write("nan.exr", &vec![[f32::NAN; 3]; WIDTH * HEIGHT]);
     assert!(folder.json(&["nan.exr", "b.exr"], 0)["figures"].is_null());
+}
+
+/// Every limit, as strict as it can be.
+const STRICTEST: [&str; 8] = ["--max-relmse", "0", "--max-rmse", "0", "--min-psnr", "1e300", "--max-flip", "0"];
+
+/// A picture is within every limit of itself where any pixel is finite: dark as it may be, and whatever the others are.
+#[test]
+fn a_picture_is_within_every_limit_of_itself() {
+    let folder = Folder::new();
+    let (noisy, _) = pictures();
+    let all = |rgb: [f32; 3]| vec![rgb; WIDTH * HEIGHT];
+    let with = |mut pixels: Rgb, changed: &[(usize, [f32; 3])]| {
+        changed.iter().for_each(|(i, rgb)| pixels[*i] = *rgb);
+        pixels
+    };
+    let tiny = f32::from_bits(1);
+    for (name, pixels) in [
+        ("noisy", noisy.clone()),
+        ("black", all([0.0; 3])),
+        ("one light", with(all([0.0; 3]), &[(1000, [3.0; 3])])),
+        ("negative", all([-1.0; 3])),
+        ("smallest", with(all([0.0; 3]), &[(5, [tiny; 3])])),
+        ("largest", all([f32::MAX; 3])),
+        ("widest", with(all([tiny; 3]), &[(5, [f32::MAX; 3])])),
+        ("holes", with(noisy, &[(0, [f32::NAN; 3]), (1, [f32::INFINITY, 0.0, 0.0]), (2000, [0.0, 0.0, f32::NAN])])),
+        ("one pixel", with(all([f32::NAN; 3]), &[(77, [1.0, 2.0, 3.0])])),
+    ] {
+        let mut planes_of = planes(["R", "G", "B"], &pixels);
+        planes_of.extend(planes(["variance.R", "variance.G", "variance.B"], &all([0.01; 3])));
+        write_at(&folder.at("x.exr"), (WIDTH, HEIGHT), (0, 0), planes_of);
+        let arguments = [&["x.exr", "x.exr", "--max-failed-tests", "0"], &STRICTEST[..]].concat();
+        let found = folder.json(&arguments, 0);
+        assert_eq!(found["hdr_flip"]["mean"], 0.0, "{name}: {found}");
+        assert_eq!(found["not_finite_in_one"], 0, "{name}");
+    }
+    let mut nothing = planes(["R", "G", "B"], &all([f32::NAN; 3]));
+    nothing.extend(planes(["variance.R", "variance.G", "variance.B"], &all([0.01; 3])));
+    write_at(&folder.at("nan.exr"), (WIDTH, HEIGHT), (0, 0), nothing);
+    let loosest =
+        ["nan.exr", "nan.exr", "--max-relmse", "1e9", "--max-rmse", "1e9", "--min-psnr=-1e9", "--max-flip", "1"];
+    let found = folder.json(&[&loosest[..], &["--max-failed-tests", "1000"]].concat(), 1);
+    assert_eq!(found["exceeded"].as_array().map(Vec::len), Some(5), "{found}");
+}
+
+/// The exposures of a picture of which less than half shines are those of what shines, and a difference in it is seen.
+#[test]
+fn flip_of_a_mostly_black_picture_is_known() {
+    let folder = Folder::new();
+    let mut clean = vec![[0.0; 3]; WIDTH * HEIGHT];
+    clean[..WIDTH].iter_mut().for_each(|pixel| *pixel = [0.5; 3]);
+    let mut other = clean.clone();
+    other[..WIDTH].iter_mut().for_each(|pixel| *pixel = [0.4; 3]);
+    folder.write("clean.exr", &clean);
+    folder.write("other.exr", &other);
+    let flip = folder.json(&["other.exr", "clean.exr"], 0)["hdr_flip"].clone();
+    // All that shines is of one luminance: the first and the last exposure are the same.
+    assert_eq!((&flip["start_stops"], &flip["exposures"]), (&flip["stop_stops"], &2.into()));
+    assert!(flip["mean"].as_f64() > Some(0.0) && flip["largest"].as_f64() > Some(0.05), "{flip}");
+    // Against a black reference nothing can be shown, and what differs from it has no FLIP.
+    folder.write("black.exr", &vec![[0.0; 3]; WIDTH * HEIGHT]);
+    let found = folder.json(&["other.exr", "black.exr", "--max-flip", "1"], 1);
+    assert_eq!(found["hdr_flip_missing"], "no luminance of the reference is above 0");
 }
 
 #[test]
