@@ -201,6 +201,13 @@ fn what_the_scene_is_made_of_is_not_overwritten() {
     symlink("room.mtl", at("link.json")).unwrap();
     expect(folder.path(), &[&QUICK[..], &["a.exr", "--ledger", "link.json"]].concat(), 2);
     expect(folder.path(), &[&QUICK[..], &["a.exr", "--ledger", "hard.json"]].concat(), 2);
+    // An image that the MTL file names, though it is not read.
+    let mtl =
+        fs::read_to_string(at("room.mtl")).unwrap().replace("newmtl lamp", "map_Kd -s 1 1 1 floor.png\nnewmtl lamp");
+    fs::write(at("room.mtl"), mtl).unwrap();
+    fs::write(at("floor.png"), "an image").unwrap();
+    expect(folder.path(), &[&QUICK[..], &["floor.png"]].concat(), 2);
+    assert_eq!(fs::read(at("floor.png")).unwrap(), b"an image");
     // Two names of one file that is not there yet are one file, too.
     symlink("new.exr", at("same.json")).unwrap();
     let stderr = expect(folder.path(), &[&QUICK[..], &["new.exr", "--ledger", "same.json"]].concat(), 2);
