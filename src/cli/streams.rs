@@ -6,11 +6,18 @@
 use std::io::{self, ErrorKind, Write};
 
 use texray::quote::{escaped_json, escaped_lines};
+use texray::scene::LoadReport;
 use texray::{Error, Result};
 
 /// A line on stderr. One that cannot be written is dropped: there is nobody to tell.
 pub fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", escaped_lines(line));
+}
+
+/// What loading has to say: warnings, unless they are `denied` and told as errors, and notes, unless `quiet`.
+pub fn tell_loading(report: &LoadReport, denied: bool, quiet: bool) {
+    report.warnings.iter().filter(|_| !denied).for_each(|warning| say(&format!("warning: {warning}")));
+    report.notes.iter().filter(|_| !quiet).for_each(|note| say(&format!("note: {note}")));
 }
 
 /// Columns of a terminal that no line of a table exceeds.
