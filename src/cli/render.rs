@@ -157,6 +157,7 @@ impl RenderArgs {
             report: &rendered.report,
             relative_rmse: rendered.report.relative_rmse,
             cap_bias: bias.known(),
+            black: rendered.film.is_black(),
             empty_pixels: rendered.film.empty_pixels(),
             outputs: saved.files.clone(),
             not_written: saved.failures.iter().map(Error::to_string).collect(),

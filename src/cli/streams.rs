@@ -14,10 +14,15 @@ pub fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", escaped_lines(line));
 }
 
-/// What loading has to say: warnings, unless they are `denied` and told as errors, and notes, unless `quiet`.
+/// What loading has to say: warnings and, unless `quiet`, notes; neither where there are warnings that are `denied`: those
+/// are errors then.
 pub fn tell_loading(report: &LoadReport, denied: bool, quiet: bool) {
     report.warnings.iter().filter(|_| !denied).for_each(|warning| say(&format!("warning: {warning}")));
-    report.notes.iter().filter(|_| !quiet).for_each(|note| say(&format!("note: {note}")));
+    report
+        .notes
+        .iter()
+        .filter(|_| !quiet && (!denied || report.warnings.is_empty()))
+        .for_each(|note| say(&format!("note: {note}")));
 }
 
 /// Columns of a terminal that no line of a table exceeds.

@@ -65,7 +65,8 @@ fn in_other_case(folder: &Path, name: &str) -> Option<PathBuf> {
     let path = folder.join(name);
     let wanted = path.file_name()?.to_str()?.to_lowercase();
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let is_it = |entry: &std::fs::DirEntry| entry.file_name().to_str().is_some_and(|name| name.to_lowercase() == wanted);
+    let is_it =
+        |entry: &std::fs::DirEntry| entry.file_name().to_str().is_some_and(|name| name.to_lowercase() == wanted);
     let mut found = std::fs::read_dir(folder).ok()?.take(MOST_ENTRIES).filter_map(Result::ok).filter(is_it);
     let (first, second) = (found.next()?, found.next());
     // Of several, none is meant more than another.

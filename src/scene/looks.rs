@@ -82,7 +82,8 @@ impl Looks {
     pub(super) fn warn(&self, warnings: &mut Warnings) {
         for ([what, why], (count, first)) in KINDS.iter().zip(&self.counts) {
             let (materials, are) = if *count == 1 { ("material", "is") } else { ("materials", "are") };
-            let are = if what.contains(" and ") || what.contains("values") || what.contains("colours") { "are" } else { are };
+            let are =
+                if what.contains(" and ") || what.contains("values") || what.contains("colours") { "are" } else { are };
             if *count > 0 {
                 warnings.add("looks that are left out", || format!("{first}: {what} {count} {materials} {are} {why}"));
             }
@@ -112,8 +113,7 @@ fn left_out(
     let is_stated = |quantity| recipe.line(quantity) > 0;
     let differs = |channels: [f64; 3], plain: f64| channels.iter().any(|&channel| channel != plain);
     let kind = recipe.kind();
-    let (mirror, glass) =
-        (matches!(kind, MaterialKind::Mirror { .. }), matches!(kind, MaterialKind::Glass { .. }));
+    let (mirror, glass) = (matches!(kind, MaterialKind::Mirror { .. }), matches!(kind, MaterialKind::Glass { .. }));
     let matte = !mirror && !glass;
     let glossy = is_stated(Quantity::Ks) && differs(recipe.ks, 0.0);
     let coloured = is_stated(Quantity::Kd) && differs(recipe.kd, 0.0);

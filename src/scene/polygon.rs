@@ -11,6 +11,8 @@ use glam::{DVec2, DVec3};
 const PLANARITY: f64 = 1e-4;
 /// How far the area of the triangles may be from the polygon's, both relative to the square of its size.
 const SAME_AREA: f64 = 1e-6;
+/// Twice the area that a polygon has at least, relative to the square of its size, to have a plane.
+const LEAST_AREA: f64 = 1e-14;
 /// Pairs of edges that are looked at in all polygons of a file: some seconds. Ears are clipped in about as many steps.
 const MOST_PAIRS: u64 = 1 << 30;
 
@@ -67,7 +69,8 @@ impl Splitter {
         let local = |i: usize| (corners[i % corners.len()] - corners[0]) / size;
         // Newell's normal: twice the area vector of the polygon, whatever its shape.
         let newell: DVec3 = (0..corners.len()).map(|i| local(i).cross(local(i + 1))).sum();
-        let Some(normal) = newell.try_normalize() else { return plain };
+        // Of a line, roundings are left.
+        let Some(normal) = newell.try_normalize().filter(|_| newell.length() > LEAST_AREA) else { return plain };
         let bent = (1..corners.len()).any(|i| local(i).dot(normal).abs() > PLANARITY);
         let folds = |i: usize| local(i).cross(local(i + 1)).dot(normal) < -PLANARITY * PLANARITY;
         if !(1..corners.len() - 1).any(folds) {
@@ -163,11 +166,22 @@ mod tests {
     fn ears_cover_a_polygon_once_and_turn_as_it_does() {
         let arrow = vec![[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, 0.5]];
         let frame = vec![
-            [0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.0],
-            [1.0, 1.0], [1.0, 3.0], [3.0, 3.0], [3.0, 1.0], [1.0, 1.0],
+            [0.0, 0.0],
+            [4.0, 0.0],
+            [4.0, 4.0],
+            [0.0, 4.0],
+            [0.0, 0.0],
+            [1.0, 1.0],
+            [1.0, 3.0],
+            [3.0, 3.0],
+            [3.0, 1.0],
+            [1.0, 1.0],
         ];
-        let comb: Vec<[f64; 2]> = (0..50).flat_map(|i| [[f64::from(i), 0.0], [f64::from(i) + 0.5, 2.0]]).chain([[50.0, -1.0], [0.0, -1.0]]).collect();
-        for (corners, expected) in [(arrow, 0.5), (frame, 12.0), (comb, 100.25)] {
+        let comb: Vec<[f64; 2]> = (0..50)
+            .flat_map(|i| [[f64::from(i), 0.0], [f64::from(i) + 0.5, 2.0]])
+            .chain([[50.0, -1.0], [0.0, -1.0]])
+            .collect();
+        for (corners, expected) in [(arrow, 0.5), (frame, 12.0), (comb, 99.75)] {
             for reversed in [false, true] {
                 let mut corners = polygon(&corners);
                 if reversed {
@@ -176,7 +190,8 @@ mod tests {
                 for first in 0..corners.len() {
                     corners.rotate_left(first.min(1));
                     let mut splitter = Splitter::new();
-                    let newell: DVec3 = (0..corners.len()).map(|i| corners[i].cross(corners[(i + 1) % corners.len()])).sum();
+                    let newell: DVec3 =
+                        (0..corners.len()).map(|i| corners[i].cross(corners[(i + 1) % corners.len()])).sum();
                     let fan: Vec<_> = (1..corners.len() - 1).map(|i| [0, i, i + 1]).collect();
                     let triangles = match splitter.split(&corners) {
                         Split::Ears { triangles, bent: false } => triangles.to_vec(),
@@ -196,7 +211,10 @@ mod tests {
     /// A line that crosses itself has no inside, and many long polygons would take long.
     #[test]
     fn what_cannot_be_clipped_is_a_fan_that_overlaps() {
-        let star: Vec<[f64; 2]> = (0..5).map(|i| (f64::from(i) * 4.0 * std::f64::consts::PI / 5.0).sin_cos()).map(|(y, x)| [x, y * 1.1]).collect();
+        let star: Vec<[f64; 2]> = (0..5)
+            .map(|i| (f64::from(i) * 4.0 * std::f64::consts::PI / 5.0).sin_cos())
+            .map(|(y, x)| [x, y * 1.1])
+            .collect();
         let mut bow = vec![[0.0, 0.0], [3.0, 3.0], [3.0, 0.0], [0.0, 1.0]];
         bow.push([-1.0, 0.5]);
         let mut splitter = Splitter::new();

@@ -27,7 +27,7 @@ pub(super) struct Recipe {
     /// Transparency: another name for 1 - d.
     pub tr: f64,
     /// Line of the statement of each quantity; 0 where it is not stated.
-    stated: [usize; QUANTITIES],
+    pub stated: [usize; QUANTITIES],
 }
 
 impl Default for Recipe {

@@ -111,7 +111,9 @@ mod tests {
         }
         assert_eq!(joined("v 1 \\\r 2\rv"), "v 1   2\n\nv");
         assert_eq!(joined("mtllib a \\\nb\nf 1 \\"), "mtllib a  b\n\nf 1 ");
-        for same in ["# C:\\a\\\nv 1\n", "v 1 # C:\\\nf\n", "usemtl a\\\nf 1\n", "map_Kd C:\\a\\\nKd 1\n", "mtllib a # \\\nv\n"] {
+        for same in
+            ["# C:\\a\\\nv 1\n", "v 1 # C:\\\nf\n", "usemtl a\\\nf 1\n", "map_Kd C:\\a\\\nKd 1\n", "mtllib a # \\\nv\n"]
+        {
             assert_eq!(joined(same), same);
         }
     }
@@ -120,6 +122,9 @@ mod tests {
     fn comments_end_words_and_names() {
         assert_eq!((uncommented("1 2 # 3"), uncommented("1 2#3"), uncommented("# 1")), ("1 2 ", "1 2", ""));
         assert_eq!(uncommented("-1.#IND 1.#QNAN # c"), "-1.#IND 1.#QNAN ");
-        assert_eq!((bare_name("a#2"), bare_name("a b # c"), bare_name("# c"), bare_name("a\t#")), ("a#2", "a b", "", "a"));
+        assert_eq!(
+            (bare_name("a#2"), bare_name("a b # c"), bare_name("# c"), bare_name("a\t#")),
+            ("a#2", "a b", "", "a")
+        );
     }
 }
