@@ -33,6 +33,12 @@ pub enum Error {
         /// How many more there are.
         more: usize,
     },
+    /// Loading warned, and warnings are refused.
+    #[error("{}", warnings.join("\n"))]
+    Warnings {
+        /// The warnings, each with its file.
+        warnings: Vec<String>,
+    },
     /// Something needs more than there is.
     #[error("{what}: {need} needed, {have} available")]
     Limit {
@@ -86,7 +92,7 @@ impl Error {
         match self {
             Error::Internal(_) => 1,
             Error::Usage(_) => 2,
-            Error::Scene { .. } | Error::Scenes { .. } => 3,
+            Error::Scene { .. } | Error::Scenes { .. } | Error::Warnings { .. } => 3,
             Error::NoDevice(_) | Error::DeviceLost(_) | Error::Vulkan { .. } | Error::Limit { .. } => 4,
             Error::Output { .. } => 5,
         }

@@ -57,7 +57,7 @@ fn main() -> ExitCode {
         Ok(Err(Failure::Command(error))) => {
             // Several refusals of a scene are a line each.
             let text = error.to_string();
-            let several = matches!(error, texray::Error::Scenes { .. });
+            let several = matches!(error, texray::Error::Scenes { .. } | texray::Error::Warnings { .. });
             let parts = if several { text.lines().collect() } else { vec![text.as_str()] };
             parts.iter().for_each(|part| say(&format!("error: {part}")));
             let mut cause = error.source();

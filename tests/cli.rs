@@ -33,7 +33,8 @@ fn help(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-const OPTIONS: [&str; 39] = [
+const OPTIONS: [&str; 40] = [
+    "--deny-warnings",
     "--max-bias",
     "--aov",
     "--error-map",
@@ -187,6 +188,28 @@ fn all_errors_of_a_file_are_told_at_once() {
     let expected: Vec<String> = [1, 1, 1, 2, 3, 4, 6, 8].map(of).into();
     assert!(places.iter().zip(&expected).all(|(line, place)| line.starts_with(place)), "{message}");
     assert_eq!((places.len(), output.status.code()), (expected.len(), Some(3)), "{message}");
+}
+
+/// A warning of loading is told, or with --deny-warnings refused; notes are told alone.
+#[test]
+fn warnings_can_be_denied() {
+    let folder = tempfile::tempdir().unwrap();
+    let square = "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nf 1 2 3 4\n";
+    fs::write(folder.path().join("a.obj"), format!("mtllib gone.mtl\nusemtl brick\n{square}")).unwrap();
+    fs::write(folder.path().join("plain.obj"), square).unwrap();
+    let explain = |arguments: &[&str]| texray(folder.path(), &[&["explain"], arguments].concat());
+    let told = explain(&["a.obj"]);
+    assert_eq!(told.status.code(), Some(0));
+    let lines = ["a.obj:1: mtllib \"gone.mtl\": no such file", "a.obj:2: usemtl \"brick\": no such material; "];
+    assert!(lines.iter().all(|line| stderr(&told).contains(&format!("warning: {line}"))), "{}", stderr(&told));
+    assert!(stderr(&told).contains("note: a.obj: an OBJ file has no camera; "));
+    for arguments in [&["explain", "a.obj", "--deny-warnings"][..], &["render", "a.obj", "--deny-warnings", "-q"]] {
+        let denied = texray(folder.path(), arguments);
+        assert_eq!(denied.status.code(), Some(3));
+        assert!(lines.iter().all(|line| stderr(&denied).contains(&format!("error: {line}"))), "{}", stderr(&denied));
+        assert!(!stderr(&denied).contains("warning: "));
+    }
+    assert_eq!(explain(&["plain.obj", "--deny-warnings"]).status.code(), Some(0));
 }
 
 #[test]

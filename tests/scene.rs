@@ -188,13 +188,17 @@ fn triangles_keep_file_order_across_objects_and_materials() {
 }
 
 #[test]
-fn a_part_is_smooth_only_where_every_corner_has_a_normal() {
+fn a_face_is_smooth_where_every_corner_has_a_normal() {
     let head = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0.1 0 2\nvt 0.5 0.25\n";
     let smooth = bare(&format!("{head}f 1/1/1 2/1/1 3/1/1\n"));
     assert_eq!((smooth.triangles[0].corners, smooth.corners.len()), (0, 1));
     assert_eq!(smooth.corners[0].uvs[2].to_array(), [0.5, 0.25]);
-    let mixed = bare(&format!("{head}f 1//1 2//1 3//1\nf 1 2 3\nf 1//1 2//1 3\n"));
-    assert!(mixed.triangles.iter().all(|triangle| triangle.corners == NO_INDEX) && mixed.corners.is_empty());
+    // One that is flat leaves the others as they are, and so does one without texture coordinates.
+    let mixed = bare(&format!("{head}f 1 2 3\nf 1//1 2/1/1 3//1\nf 1//1 2//1 3\nf 1/1/1 2/1/1 3/1/1\nf 1/1 2/1 3/1\n"));
+    let corners: Vec<_> = mixed.triangles.iter().map(|triangle| triangle.corners).collect();
+    assert_eq!(corners, [NO_INDEX, 0, NO_INDEX, 1, NO_INDEX]);
+    assert_eq!(mixed.corners[0].normals, mixed.corners[1].normals);
+    assert_eq!([0, 1].map(|i| mixed.corners[i].uvs[1].to_array()), [[0.0, 0.0], [0.5, 0.25]]);
 }
 
 #[test]

@@ -75,6 +75,8 @@ pub struct Facts<'a> {
     pub relative_rmse: Option<f64>,
     /// What the bounce cap cuts off, where it was estimated.
     pub cap_bias: Option<CapBias>,
+    /// Whether every pixel is black.
+    pub black: bool,
     /// Pixels without a valid sample.
     pub empty_pixels: usize,
     /// Files written.

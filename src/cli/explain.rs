@@ -24,6 +24,9 @@ pub struct ExplainArgs {
     /// Effects compiled into the kernel
     #[arg(long, value_enum, default_value_t)]
     effects: EffectsChoice,
+    /// Exit with code 3 if loading warns of anything
+    #[arg(long)]
+    deny_warnings: bool,
     /// Print one JSON document on stdout instead of a table
     #[arg(long)]
     json: bool,
@@ -43,8 +46,9 @@ impl ExplainArgs {
     /// Prints set and reasons on stdout.
     pub fn run(&self) -> Result<Outcome> {
         let scene = Scene::load(&self.scene)?;
-        for warning in &scene.report.warnings {
-            streams::say(&format!("warning: {warning}"));
+        streams::tell_loading(&scene.report, self.deny_warnings, false);
+        if self.deny_warnings {
+            scene.deny_warnings()?;
         }
         let arguments = SettingsArgs::of_effects(self.filter, self.effects);
         let settings = arguments.settings(&scene)?;

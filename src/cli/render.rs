@@ -18,7 +18,7 @@ use super::progress::Reporter;
 use super::settings::SettingsArgs;
 use super::signals::Signals;
 use super::stop::{Limits, StopArgs};
-use super::streams::{answer_json, say};
+use super::streams::{answer_json, say, tell_loading};
 use super::{Outcome, explain, save, summary};
 
 /// Render a scene to picture files
@@ -50,6 +50,9 @@ struct RunningArgs {
     /// Exit with code 7 if any sample was invalid
     #[arg(long)]
     strict: bool,
+    /// Exit with code 3 if loading the scene warns of anything
+    #[arg(long)]
+    deny_warnings: bool,
     /// Print one JSON document about the render on stdout
     #[arg(long)]
     json: bool,
@@ -124,8 +127,9 @@ impl RenderArgs {
     fn load(&self) -> Result<(Scene, f64)> {
         let started = Instant::now();
         let scene = Scene::load(&self.scene)?;
-        for warning in &scene.report.warnings {
-            say(&format!("warning: {warning}"));
+        tell_loading(&scene.report, self.running.deny_warnings, self.running.quiet);
+        if self.running.deny_warnings {
+            scene.deny_warnings()?;
         }
         if !self.settings.allow_black {
             scene.check_emits()?;
@@ -153,6 +157,7 @@ impl RenderArgs {
             report: &rendered.report,
             relative_rmse: rendered.report.relative_rmse,
             cap_bias: bias.known(),
+            black: rendered.film.is_black(),
             empty_pixels: rendered.film.empty_pixels(),
             outputs: saved.files.clone(),
             not_written: saved.failures.iter().map(Error::to_string).collect(),

@@ -6,11 +6,23 @@
 use std::io::{self, ErrorKind, Write};
 
 use texray::quote::{escaped_json, escaped_lines};
+use texray::scene::LoadReport;
 use texray::{Error, Result};
 
 /// A line on stderr. One that cannot be written is dropped: there is nobody to tell.
 pub fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", escaped_lines(line));
+}
+
+/// What loading has to say: warnings and, unless `quiet`, notes; neither where there are warnings that are `denied`: those
+/// are errors then.
+pub fn tell_loading(report: &LoadReport, denied: bool, quiet: bool) {
+    report.warnings.iter().filter(|_| !denied).for_each(|warning| say(&format!("warning: {warning}")));
+    report
+        .notes
+        .iter()
+        .filter(|_| !quiet && (!denied || report.warnings.is_empty()))
+        .for_each(|note| say(&format!("note: {note}")));
 }
 
 /// Columns of a terminal that no line of a table exceeds.

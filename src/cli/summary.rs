@@ -32,7 +32,13 @@ pub fn warnings(facts: &Facts) -> Vec<String> {
     if facts.empty_pixels > 0 && report.spp > 0 {
         warnings.push(format!("warning: {} pixels have no valid sample and are black", facts.empty_pixels));
     }
-    if let Some(error) = report.error.filter(|error| error.heavy_tailed) {
+    if facts.black && report.spp > 0 && facts.empty_pixels == 0 {
+        warnings.push(
+            "warning: the picture is black: no path has met light; does the camera see the front of a lamp, or what one \
+             lights (lamps emit from the side where their corners turn counter-clockwise)?"
+                .into(),
+        );
+    } else if let Some(error) = report.error.filter(|error| error.heavy_tailed) {
         let share = percent(error.picture.heavy_share);
         warnings.push(format!(
             "warning: heavy tail: 0.1 % of the pixels hold {share} of the squared error; its estimate cannot be relied on"
@@ -53,6 +59,7 @@ pub fn lines(facts: &Facts) -> Vec<String> {
             (f64::from(report.spp) * times).ceil(),
             duration(report.seconds.render * times)
         ),
+        Some(_) if facts.black => "error unknown: the picture is black".into(),
         Some(_) => "estimated relative RMSE 0 %".into(),
         None if facts.settings.sampler == Sampler::Table => {
             "error unknown: a table's replicates are not independent".into()

@@ -13,7 +13,7 @@ use exr::meta::attribute::{LevelMode, SampleType};
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData, mip_map_levels, rip_map_levels};
 
-use crate::input_file::InputFile;
+use crate::input_file::Input;
 use crate::quote::{self, cut};
 use crate::{Error, Result, memory};
 
@@ -40,14 +40,19 @@ pub(super) fn unreadable(path: &Path, reason: &str) -> Error {
 }
 
 /// Refuses `path` where its headers ask for more than the file or memory can hold. Leaves the file at its start.
-pub(super) fn check(path: &Path, input: &mut InputFile) -> Result<()> {
+pub(super) fn check(path: &Path, input: &mut Input) -> Result<()> {
     let refused = |reason: String| unreadable(path, &reason);
     let what = |what: &str| format!("{}: its {what}", quote::path(path));
-    let length = walk(BufReader::new(&mut input.file), input.bytes).map_err(refused)?;
+    if let Some(message) = other_format(input) {
+        return Err(Error::scene(path, 0, message));
+    }
+    rewind(path, input)?;
+    let bytes = input.bytes;
+    let length = walk(BufReader::new(&mut *input), bytes).map_err(refused)?;
     let of_headers = length.saturating_mul(HEADER_BYTES);
     memory::check(&what("headers"), of_headers)?;
     rewind(path, input)?;
-    let headers = MetaData::read_from_buffered(BufReader::new(&mut input.file), false)
+    let headers = MetaData::read_from_buffered(BufReader::new(&mut *input), false)
         .map_err(|error| unreadable(path, &error.to_string()))?
         .headers;
     rewind(path, input)?;
@@ -65,8 +70,32 @@ pub(super) fn check(path: &Path, input: &mut InputFile) -> Result<()> {
     memory::check(&what("pixels by its header"), need.saturating_add(FIXED_BYTES))
 }
 
-fn rewind(path: &Path, input: &mut InputFile) -> Result<()> {
-    input.file.seek(SeekFrom::Start(0)).map(|_| ()).map_err(|error| unreadable(path, &error.to_string()))
+fn rewind(path: &Path, input: &mut Input) -> Result<()> {
+    input.seek(SeekFrom::Start(0)).map(|_| ()).map_err(|error| unreadable(path, &error.to_string()))
+}
+
+/// First bytes of other pictures, their names, and why they do not hold what is compared.
+const OTHER_FORMATS: [(&[u8], &str, &str); 8] = [
+    (b"\x89PNG", "a PNG", "is tone-mapped and rounded"),
+    (b"\xff\xd8\xff", "a JPEG", "is tone-mapped, rounded and compressed with losses"),
+    (b"#?RADIANCE", "a Radiance HDR", "keeps 8 bits of a channel"),
+    (b"#?RGBE", "a Radiance HDR", "keeps 8 bits of a channel"),
+    (b"II*\0", "a TIFF", "may hold anything"),
+    (b"MM\0*", "a TIFF", "may hold anything"),
+    (b"RIFF", "a WebP", "is tone-mapped and rounded"),
+    (b"PF\n", "a PFM", "has no layers"),
+];
+
+/// What to say of a picture of another format.
+fn other_format(input: &mut Input) -> Option<String> {
+    let mut start = Vec::new();
+    input.by_ref().take(12).read_to_end(&mut start).ok()?;
+    let (_, name, why) = OTHER_FORMATS.iter().find(|(magic, ..)| start.starts_with(magic))?;
+    let kind = name.strip_prefix("a ").unwrap_or(name);
+    Some(format!(
+        "this is {name}, and compare takes OpenEXR: a {kind} {why}; render to a name that ends in .exr, or convert the \
+         picture of linear radiance"
+    ))
 }
 
 /// Walks over the attributes of all headers. Goes out: the bytes up to their end, or why they are none.

@@ -1,8 +1,9 @@
 //! OpenEXR files of any renderer: layers and channels to a picture of linear radiance.
 //!
 //! Comes in: a path and, where the file has several pictures, the name of one. Goes out: an [`ExrPicture`]. Layers may
-//! be parts of the file (`beauty`) or prefixes of channel names (`ViewLayer.Combined.R`); samples may be half, float or
-//! unsigned. Refused by name: subsampled channels, deep data, a file without R, G and B or Y.
+//! be parts of the file (`beauty`) or prefixes of channel names (`ViewLayer.Combined.R`, `Ci.r`), also empty ones (`.R`);
+//! channels are R, G, B in either case; samples may be half, float or unsigned. Refused by name: subsampled channels,
+//! deep data, a file without R, G and B or Y.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read as read_layers};
 
 use super::header::{check, unreadable};
-use crate::input_file::InputFile;
+use crate::input_file::Input;
 use crate::quote::{self, quoted};
 use crate::{Error, Result, memory};
 
@@ -68,14 +69,14 @@ pub fn read(path: &Path, layer: Option<&str>) -> Result<ExrPicture> {
     let channels = channels(path)?;
     let layers = coloured(&channels);
     let refused = |message: String| Error::scene(path, 0, message);
-    let names = || listed(layers.iter().map(|name| shown(name)));
+    let names = || listed(layers.keys().map(|name| shown(name)));
     let chosen = match layer {
-        Some(wanted) => layers.iter().find(|name| name.as_str() == wanted).ok_or_else(|| {
+        Some(wanted) => named(&layers, wanted).ok_or_else(|| {
             refused(format!("no layer {} with channels R, G, B or Y; the file has {}", quoted(wanted), names()))
         })?,
         None => {
-            let plain = layers.iter().find(|name| name.is_empty());
-            let others: Vec<&String> = layers.iter().filter(|name| name.as_str() != VARIANCE_LAYER).collect();
+            let plain = layers.keys().find(|name| name.is_empty());
+            let others: Vec<&String> = layers.keys().filter(|name| name.as_str() != VARIANCE_LAYER).collect();
             match (plain, others.as_slice()) {
                 (Some(plain), _) => plain,
                 (None, [only]) => only,
@@ -87,22 +88,22 @@ pub fn read(path: &Path, layer: Option<&str>) -> Result<ExrPicture> {
             }
         }
     };
-    let (window, rgb) = colours(path, &channels, chosen)?;
+    let (window, rgb) = colours(path, &channels, chosen, &layers[chosen])?;
     let variance_layer = if chosen.is_empty() { VARIANCE_LAYER.into() } else { format!("{chosen}.{VARIANCE_LAYER}") };
-    let variance = [variance_layer, VARIANCE_LAYER.into()].into_iter().find(|name| layers.contains(name));
-    let variance = variance.map(|name| colours(path, &channels, &name)).transpose()?;
+    let variance = [variance_layer, VARIANCE_LAYER.into()].into_iter().find_map(|name| layers.get_key_value(&name));
+    let variance = variance.map(|(name, names)| colours(path, &channels, name, names)).transpose()?;
     let variance = variance.filter(|(of, _)| *of == window).map(|(_, variance)| variance);
     Ok(ExrPicture { path: path.into(), layer: chosen.clone(), window, rgb, variance })
 }
 
 /// All channels by their full names: part, layers, channel, joined by dots.
 fn channels(path: &Path) -> Result<BTreeMap<String, Channel>> {
-    let mut input = InputFile::open(path).map_err(|reason| unreadable(path, &reason))?;
+    let mut input = Input::open(path).map_err(|reason| unreadable(path, &reason))?;
     check(path, &mut input)?;
     let reader = read_layers().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
     // Under a limit of the address space the heaps of its threads would take what the pixels need.
     let reader = if memory::threads() == cores() { reader } else { reader.non_parallel() };
-    let image = reader.from_buffered(BufReader::new(input.file));
+    let image = reader.from_buffered(BufReader::new(input));
     let image = image.map_err(|error| unreadable(path, &error.to_string()))?;
     let mut channels = BTreeMap::new();
     for part in image.layer_data {
@@ -133,19 +134,36 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Layers that have R, G and B, or Y.
-fn coloured(channels: &BTreeMap<String, Channel>) -> Vec<String> {
-    let layer_of = |name: &str| name.rsplit_once('.').map_or(String::new(), |(layer, _)| layer.into());
-    let mut layers: Vec<String> = channels.keys().map(|name| layer_of(name)).collect();
-    layers.sort();
-    layers.dedup();
-    let has = |layer: &str, channel: &str| channels.contains_key(&join(layer, channel));
-    layers.retain(|layer| ["R", "G", "B"].iter().all(|channel| has(layer, channel)) || has(layer, "Y"));
-    layers
+/// Layers that have R, G and B, or Y, with the full names of these channels.
+fn coloured(channels: &BTreeMap<String, Channel>) -> BTreeMap<String, [&str; 3]> {
+    let mut layers: BTreeMap<String, BTreeMap<&str, &str>> = BTreeMap::new();
+    for full in channels.keys() {
+        // V-Ray writes an empty layer: `.R`.
+        let (layer, channel) = full.rsplit_once('.').unwrap_or(("", full));
+        layers.entry(layer.into()).or_default().entry(channel).or_insert(full);
+    }
+    layers.into_iter().filter_map(|(layer, channels)| Some((layer, colour_names(&channels)?))).collect()
 }
 
-fn join(layer: &str, channel: &str) -> String {
-    if layer.is_empty() { channel.into() } else { format!("{layer}.{channel}") }
+/// Of a layer's channels by their own names, the full names of R, G and B, or of Y thrice.
+fn colour_names<'a>(channels: &BTreeMap<&str, &'a str>) -> Option<[&'a str; 3]> {
+    let find = |names: [&str; 2]| names.iter().find_map(|name| channels.get(name).copied());
+    if let (Some(r), Some(g), Some(b)) = (find(["R", "r"]), find(["G", "g"]), find(["B", "b"])) {
+        return Some([r, g, b]);
+    }
+    // The Y of X, Y, Z is a coordinate.
+    let is_coordinate = ["X", "Z"].iter().any(|name| channels.contains_key(name));
+    channels.get("Y").filter(|_| !is_coordinate).map(|grey| [*grey; 3])
+}
+
+/// The layer of this name, or else the one whose name differs by letter case alone.
+fn named<'a>(layers: &'a BTreeMap<String, [&str; 3]>, wanted: &str) -> Option<&'a String> {
+    let alike = |name: &&String| name.to_lowercase() == wanted.to_lowercase();
+    layers.get_key_value(wanted).map(|(name, _)| name).or_else(|| {
+        let mut found = layers.keys().filter(alike);
+        let first = found.next()?;
+        found.next().is_none().then_some(first)
+    })
 }
 
 /// Names that a message lists.
@@ -162,14 +180,14 @@ fn shown(layer: &str) -> String {
     if layer.is_empty() { "R, G, B without a layer".into() } else { quoted(layer) }
 }
 
-fn colours(path: &Path, channels: &BTreeMap<String, Channel>, layer: &str) -> Result<(DataWindow, Vec<[f32; 3]>)> {
+fn colours(
+    path: &Path,
+    channels: &BTreeMap<String, Channel>,
+    layer: &str,
+    names: &[&str; 3],
+) -> Result<(DataWindow, Vec<[f32; 3]>)> {
     let refused = |message: String| Err(Error::scene(path, 0, message));
-    let find = |name: &str| channels.get(&join(layer, name));
-    let [r, g, b] = match (find("R"), find("G"), find("B"), find("Y")) {
-        (Some(r), Some(g), Some(b), _) => [r, g, b],
-        (_, _, _, Some(y)) => [y, y, y],
-        _ => return refused(format!("layer {} has no channels R, G, B", shown(layer))),
-    };
+    let [r, g, b] = names.map(|name| &channels[name]);
     if [r, g, b].iter().any(|channel| channel.sampling != (1, 1)) {
         return refused(format!("layer {} has subsampled channels; every pixel must have its own", shown(layer)));
     }

@@ -45,6 +45,12 @@ impl Film {
         mean
     }
 
+    /// Whether the mean of every pixel is 0.
+    pub fn is_black(&self) -> bool {
+        let black = |shares: &mut Vec<_>, y| self.read_row(y, shares).all(|pixel| pixel.mean == [0.0; 3]);
+        (0..self.height as usize).into_par_iter().map_init(Vec::new, black).all(|black| black)
+    }
+
     /// Mean of each pixel and the variance of that mean.
     pub fn estimate(&self) -> Estimate {
         let row = self.width as usize;

@@ -10,7 +10,9 @@ use std::path::{Path, PathBuf};
 use glam::{DVec2, DVec3};
 
 use super::batches::in_batches;
-use super::library::{Libraries, Library};
+use super::library::{FoundMaterial, Libraries, Library};
+use super::looks::Looks;
+use super::mtl_scan::MtlMaterial;
 use super::nearest::known_names;
 use super::need::Need;
 use super::obj_mesh::{ObjMesh, ObjTriangle};
@@ -19,6 +21,7 @@ use super::recipe::Recipe;
 use super::refusals::Refusals;
 use super::scene_file::{MaterialEntry, MeshEntry};
 use super::source_text::{Folders, Named, check_memory};
+use super::statements::bare_name;
 use super::warnings::Warnings;
 use crate::interface::NO_INDEX;
 use crate::quote::{self, quoted};
@@ -39,6 +42,8 @@ pub(super) struct RawScene {
     pub files: Vec<PathBuf>,
     /// Warnings with file and line.
     pub warnings: Warnings,
+    /// What was taken for granted, with file and line.
+    pub notes: Warnings,
 }
 
 /// One triangle.
@@ -114,6 +119,9 @@ struct Assembly<'a> {
     /// OBJ files, in the order in which the meshes name them.
     sources: Vec<Source>,
     source_of_path: HashMap<PathBuf, usize>,
+    looks: Looks,
+    /// Materials that were looked at: number of the MTL file, none for the scene's own, and line.
+    looked_at: HashSet<(Option<usize>, usize)>,
     /// Names that were looked for among all others: of more than are told, it would take long.
     searched: usize,
     /// OBJ files that were refused, with what they need.
@@ -144,6 +152,8 @@ impl<'a> Assembly<'a> {
             raw: RawScene::default(),
             sources: Vec::new(),
             source_of_path: HashMap::new(),
+            looks: Looks::default(),
+            looked_at: HashSet::new(),
             searched: 0,
             refused: HashSet::new(),
             folders: Folders::default(),
@@ -205,13 +215,15 @@ impl<'a> Assembly<'a> {
     fn read_library(&mut self, file: usize) -> Result<()> {
         let source = &mut self.sources[file];
         if source.library.is_none() {
-            let (named, warnings) = (&mut self.named, &mut self.raw.warnings);
-            source.library = Some(self.libraries.of(&source.mesh, &mut self.folders, named, warnings)?);
+            let RawScene { warnings, notes, .. } = &mut self.raw;
+            let library = self.libraries.of(&source.mesh, &mut self.folders, &mut self.named, warnings, notes)?;
+            source.library = Some(library);
         }
         Ok(())
     }
 
     fn finish(mut self) -> RawScene {
+        self.looks.warn(&mut self.raw.warnings);
         self.raw.files = self.named.into_iter().map(PathBuf::from).collect();
         self.raw
     }
@@ -270,7 +282,7 @@ impl<'a> Assembly<'a> {
         let mut refusals = Refusals::default();
         for part in 0..count {
             let of = &self.sources[file].mesh.parts[part];
-            // A part without faces needs no material, but a name that is nowhere defined is refused all the same.
+            // The part of faces without a material always is there; others may be what the scene changes.
             let unused = of.faces == 0 && of.name.is_empty();
             let material = if unused { Some(0) } else { refusals.keep(self.part_material(file, part)) };
             materials.push(material.unwrap_or(0));
@@ -281,10 +293,8 @@ impl<'a> Assembly<'a> {
 
     fn place(&mut self, entry: &MeshEntry, file: usize, materials: &Materials) -> Result<()> {
         let mesh = &self.sources[file].mesh;
-        // One material makes one part of the whole mesh, smooth only where all of it has normals.
-        let smooth = matches!(materials, Materials::Parts(_)) || mesh.all_normals;
         let mut zero_normals = 0;
-        let corners_of = |triangle: &ObjTriangle| mesh.corners.get(triangle.corners as usize).filter(|_| smooth);
+        let corners_of = |triangle: &ObjTriangle| mesh.corners.get(triangle.corners as usize);
         let raw = &mut self.raw;
         let path = self.path;
         in_batches(
@@ -321,6 +331,7 @@ impl<'a> Assembly<'a> {
             let mut recipe = Recipe::default();
             entry.apply(&mut recipe);
             self.touched.insert(&entry.name);
+            look_at(&mut self.looks, &mut self.looked_at, self.path, None, Some(entry), &recipe)?;
             return Ok(self.material((None, name.to_owned()), recipe));
         }
         let key = (Some(file), name.to_owned());
@@ -329,7 +340,9 @@ impl<'a> Assembly<'a> {
         }
         let library = self.sources[file].library.as_ref();
         let found = library.and_then(|library| self.libraries.find(library, name, &mut self.raw.warnings));
-        if let Some(recipe) = found.cloned() {
+        if let Some(found) = found {
+            let recipe = found.material.recipe.clone();
+            look_at(&mut self.looks, &mut self.looked_at, self.path, Some(found), None, &recipe)?;
             return Ok(self.material(key, recipe));
         }
         self.searched += 1;
@@ -347,24 +360,28 @@ impl<'a> Assembly<'a> {
         of_scene.chain(library.into_iter().flat_map(|library| self.libraries.names(library)))
     }
 
-    /// The material of one part of an OBJ file, as MTL file and scene define it together.
+    /// The material of one part of an OBJ file, as MTL file and scene define it together. Where neither does, a warning
+    /// and the format's own.
     fn part_material(&mut self, file: usize, part: usize) -> Result<u32> {
-        let (source, place) = (&self.sources[file], part);
-        let part = &source.mesh.parts[place];
+        let source = &self.sources[file];
+        let part = &source.mesh.parts[part];
         let library = source.library.as_ref();
         let found = library.and_then(|library| self.libraries.find(library, &part.name, &mut self.raw.warnings));
-        let changed = self.material_of_name.get(part.name.as_str()).map(|&material| &self.materials[material]);
-        if found.is_none() && changed.is_none() && !part.name.is_empty() {
-            self.searched += 1;
-            let looked_at = if self.searched <= SEARCHES { usize::MAX } else { SEARCHES };
-            let source = &self.sources[file];
-            let names = self.known_names(source.library.as_ref()).take(looked_at);
-            return Err(source.mesh.unknown_material(&source.mesh.parts[place], names));
+        let of_scene = |name: &str| self.material_of_name.get(name).map(|&material| &self.materials[material]);
+        let changed = of_scene(&part.name).or_else(|| of_scene(bare_name(&part.name)));
+        if found.is_none() && changed.is_none() && !part.name.is_empty() && part.faces > 0 {
+            let mut warnings = std::mem::take(&mut self.raw.warnings);
+            let known = || self.known_names(source.library.as_ref());
+            warnings.add("materials that are not there", || source.mesh.missing_material(part, known()));
+            self.raw.warnings = warnings;
         }
-        let mut recipe = found.cloned().unwrap_or_default();
+        let mut recipe = found.as_ref().map(|found| found.material.recipe.clone()).unwrap_or_default();
         if let Some(entry) = changed {
             entry.apply(&mut recipe);
             self.touched.insert(&entry.name);
+        }
+        if part.faces > 0 {
+            look_at(&mut self.looks, &mut self.looked_at, self.path, found, changed, &recipe)?;
         }
         let key = (Some(file), part.name.clone());
         Ok(self.material(key, recipe))
@@ -378,4 +395,25 @@ impl<'a> Assembly<'a> {
             (materials.len() - 1) as u32
         })
     }
+}
+
+/// Looks at a material that faces use, unless it was looked at before.
+fn look_at(
+    looks: &mut Looks,
+    looked_at: &mut HashSet<(Option<usize>, usize)>,
+    scene: &Path,
+    found: Option<FoundMaterial>,
+    changed: Option<&MaterialEntry>,
+    recipe: &Recipe,
+) -> Result<()> {
+    let nothing = MtlMaterial::default();
+    let (file, path, stated) = match &found {
+        Some(found) => (Some(found.file), found.path, found.material),
+        None => (None, scene, &nothing),
+    };
+    let line = if found.is_some() { stated.line } else { changed.map_or(0, |entry| entry.line) };
+    if !looked_at.insert((file, line)) {
+        return Ok(());
+    }
+    looks.add(scene, path, stated, recipe, |quantity| changed.is_some_and(|entry| entry.changes(quantity)))
 }

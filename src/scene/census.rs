@@ -38,7 +38,7 @@ impl Census {
                 b"v" => census.positions += 1,
                 b"vt" => census.uvs += 1,
                 b"vn" => census.normals += 1,
-                b"f" => {
+                b"f" | b"fo" => {
                     census.faces += 1;
                     census.corners += words();
                 }
@@ -63,7 +63,8 @@ impl Census {
     /// twice where the list grows), as much again for normals and texture coordinates where there are any; 1280 a
     /// change of material, for its name, mesh and map.
     pub(super) fn obj_bytes(&self) -> u64 {
-        let lists = 1 + usize::from(self.uvs > 0) + usize::from(self.normals > 0);
+        // Without normals, texture coordinates are left out; with them, corners that have none get one.
+        let lists = if self.normals > 0 { 3 } else { 1 };
         // A corner that shares its position with others adds an index alone.
         let points =
             self.corners.min(self.positions.max(self.uvs).max(self.normals).saturating_add(3 * self.materials));
@@ -81,10 +82,10 @@ impl Census {
         ])
     }
 
-    /// Bytes that reading the text of an MTL file takes beside the text: 640 a material (its recipe while it is read
-    /// and after, its name twice, entries of two maps).
+    /// Bytes that reading the text of an MTL file takes beside the text: 1024 a material (its recipe while it is read
+    /// and after, its name twice, entries of two maps, what is wrong with it).
     pub(super) fn mtl_bytes(&self) -> u64 {
-        sum(&[(self.materials, 640), (self.names, NAME_BYTES)])
+        sum(&[(self.materials, 1024), (self.names, NAME_BYTES)])
     }
 }
 
@@ -106,6 +107,6 @@ mod tests {
         );
         let expected = Census { positions: 2, uvs: 1, normals: 1, faces: 2, corners: 7, materials: 1, names: 2 };
         assert_eq!((census, census.triangles()), (expected, 3));
-        assert_eq!(Census::of("newmtl a\nmap_Kd -s 1 a.png\nnewmtl b").mtl_bytes(), 2 * 640 + 3 * 256);
+        assert_eq!(Census::of("newmtl a\nmap_Kd -s 1 a.png\nnewmtl b").mtl_bytes(), 2 * 1024 + 3 * 256);
     }
 }

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::assemble::{RawScene, assemble, assemble_bare};
 use super::normalise::{bounds, normalise};
-use super::{Camera, LoadReport, RenderDefaults, Scene, foreign_format, scene_file, source_text};
+use super::{Camera, LoadReport, MaterialKind, RenderDefaults, Scene, foreign_format, scene_file, source_text};
 use crate::{Error, Result, quote};
 
 /// Vertical field of view of the camera that frames a bare OBJ, in degrees.
@@ -51,10 +51,28 @@ fn load_toml(path: &Path) -> Result<Scene> {
 }
 
 fn load_bare(path: &Path) -> Result<Scene> {
-    let raw = assemble_bare(path)?;
+    let mut raw = assemble_bare(path)?;
     let emits = |triangle: &super::assemble::RawTriangle| raw.materials[triangle.material as usize].1.ke != [0.0; 3];
-    let sky = if raw.triangles.iter().any(emits) { None } else { Some([1.0; 3]) };
+    let lamps = raw.triangles.iter().filter(|triangle| emits(triangle)).count();
+    let sky = if lamps > 0 { None } else { Some([1.0; 3]) };
     let camera = framing(&raw);
+    let file = quote::path(path);
+    let [x, y, z] = camera.origin.to_array().map(|coordinate| format!("{coordinate:.4}"));
+    raw.notes.add("cameras", || {
+        format!("{file}: an OBJ file has no camera; one at ({x}, {y}, {z}) looks along -z, {FRAMING_VFOV} degrees high")
+    });
+    raw.notes.add("light", || match lamps {
+        0 => format!("{file}: nothing in it emits; a white sky of radiance 1 lights it"),
+        _ => format!("{file}: its {lamps} triangles that emit (Ke) light it; there is no sky"),
+    });
+    if lamps > 0 && shows_nothing(&raw, &camera) {
+        raw.warnings.add("black pictures", || {
+            format!(
+                "{file}: the camera sees nothing but backs of lamps, which emit from their fronts alone (where the \
+                 corners turn counter-clockwise): the picture is black; a .toml scene sets another camera"
+            )
+        });
+    }
     finish(path, raw, 0, camera, scene_file::DEFAULT_FILM, RenderDefaults::default(), sky)
 }
 
@@ -69,6 +87,22 @@ fn framing(raw: &RawScene) -> Camera {
     Camera { origin: target + DVec3::Z * distance, target, up: DVec3::Y, vfov: FRAMING_VFOV }
 }
 
+/// Whether no front of a lamp faces the camera and nothing is there that a lamp could light.
+fn shows_nothing(raw: &RawScene, camera: &Camera) -> bool {
+    raw.triangles.iter().all(|triangle| {
+        let recipe = &raw.materials[triangle.material as usize].1;
+        let reflects = match recipe.kind() {
+            MaterialKind::Lambert { albedo } => albedo != [0.0; 3],
+            MaterialKind::Mirror { reflectance } => reflectance != [0.0; 3],
+            _ => true,
+        };
+        let [a, b, c] = triangle.positions;
+        let scale = (b - a).abs().max((c - a).abs()).max_element();
+        let front = ((b - a) / scale).cross((c - a) / scale);
+        !reflects && (recipe.ke == [0.0; 3] || front.dot(camera.origin - a) <= 0.0)
+    })
+}
+
 fn finish(
     path: &Path,
     mut raw: RawScene,
@@ -81,6 +115,7 @@ fn finish(
     let scaled = normalise(path, camera_line, &raw, &camera, sky)?;
     let files = std::mem::take(&mut raw.files);
     let mut warnings = std::mem::take(&mut raw.warnings).finish();
+    let notes = std::mem::take(&mut raw.notes).finish();
     if scaled.degenerate > 0 {
         warnings.push(format!("{}: {} degenerate triangles removed", quote::path(path), scaled.degenerate));
     }
@@ -95,6 +130,6 @@ fn finish(
         materials: scaled.materials,
         sky: scaled.sky,
         scaling: scaled.scaling,
-        report: LoadReport { files, degenerate_triangles: scaled.degenerate, warnings },
+        report: LoadReport { files, degenerate_triangles: scaled.degenerate, warnings, notes },
     })
 }

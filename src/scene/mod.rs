@@ -22,7 +22,9 @@ mod census;
 mod digest;
 mod foreign;
 mod library;
+mod library_path;
 mod load;
+mod looks;
 pub mod material;
 mod mtl_scan;
 mod nearest;
@@ -30,6 +32,7 @@ mod need;
 pub(crate) mod normalise;
 mod number;
 mod obj_mesh;
+mod obj_points;
 mod obj_scan;
 mod obj_words;
 mod placement;
@@ -38,6 +41,7 @@ mod recipe;
 mod refusals;
 mod scene_file;
 mod source_text;
+mod statements;
 mod toml_source;
 mod toml_table;
 mod transform;
@@ -80,6 +84,14 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Refuses a scene of which loading warned, with all of its warnings.
+    pub fn deny_warnings(&self) -> crate::Result<()> {
+        match self.report.warnings.is_empty() {
+            true => Ok(()),
+            false => Err(crate::Error::Warnings { warnings: self.report.warnings.clone() }),
+        }
+    }
+
     /// Number of triangles whose material emits.
     pub fn emissive_triangles(&self) -> usize {
         self.triangles.iter().filter(|triangle| self.materials[triangle.material as usize].emits()).count()
@@ -165,4 +177,6 @@ pub struct LoadReport {
     pub degenerate_triangles: usize,
     /// Warnings, one line each, with file and line where there is one.
     pub warnings: Vec<String>,
+    /// What was taken for granted where the scene does not say, one line each.
+    pub notes: Vec<String>,
 }

@@ -17,6 +17,17 @@ pub(super) fn parse_number(word: &str) -> std::result::Result<f64, String> {
     }
 }
 
+/// Whether a word stands for a number that is none or too large to be used, as programs write what they could not
+/// compute: `nan`, `-nan(ind)`, `inf`, `1.#IND`, `1e400`.
+pub(super) fn is_not_finite(word: &str) -> bool {
+    if let Ok(value) = word.parse::<f64>() {
+        return !(value.abs() <= MAX_MAGNITUDE);
+    }
+    let word = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
+    let digits = word.trim_start_matches(|letter: char| letter.is_ascii_digit());
+    word.starts_with("nan") || word.starts_with("inf") || (digits.len() < word.len() && digits.starts_with(".#"))
+}
+
 /// Whether every coordinate is a number of a file's range; NaN is not.
 pub(super) fn in_range(point: DVec3) -> bool {
     point.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all()

@@ -13,6 +13,7 @@ use super::census::Census;
 use super::nearest::known_names;
 use super::obj_scan::{self, Part};
 use super::source_text::{self, check_memory};
+use super::statements::bare_name;
 use super::warnings::Warnings;
 use crate::interface::NO_INDEX;
 use crate::quote::{self, quoted};
@@ -24,14 +25,12 @@ pub(super) struct ObjMesh {
     pub path: PathBuf,
     /// Triangles in file order.
     pub triangles: Vec<ObjTriangle>,
-    /// Attributes of the triangles of parts that have normals on every corner.
+    /// Attributes of the triangles of faces that have normals on every corner.
     pub corners: Vec<ObjCorners>,
     /// Parts by number.
     pub parts: Vec<Part>,
     /// What `mtllib` statements name, with their lines; none twice.
     pub libraries: Vec<(String, usize)>,
-    /// Whether every corner of every face has a normal.
-    pub all_normals: bool,
 }
 
 /// One triangle of a part.
@@ -50,7 +49,7 @@ pub(super) struct ObjTriangle {
 pub(super) struct ObjCorners {
     /// Normals of any length.
     pub normals: [DVec3; 3],
-    /// Texture coordinates; zero where the part has not one on every corner.
+    /// Texture coordinates; zero where the face has not one on every corner.
     pub uvs: [DVec2; 3],
 }
 
@@ -63,7 +62,7 @@ impl ObjMesh {
             }
             None => Error::scene(path, 0, reason),
         })?;
-        let text = source_text::decode(path, bytes)?;
+        let text = source_text::decode_statements(path, bytes)?;
         let census = Census::of(&text);
         check_memory(path, 0, "its faces", census.obj_bytes().saturating_add(text.len() as u64))?;
         let scan = obj_scan::scan(path, &text, &census, warnings)?;
@@ -72,16 +71,15 @@ impl ObjMesh {
             path: path.to_owned(),
             triangles: Vec::new(),
             corners: Vec::new(),
-            all_normals: scan.parts.iter().all(|part| part.faces == 0 || part.all_normals),
             parts: scan.parts,
             libraries: scan.libraries,
         };
-        mesh.build(&scan.canonical)?;
+        mesh.build(&scan.points, &scan.faces)?;
         Ok(mesh)
     }
 
     /// Triangles from the canonical text.
-    fn build(&mut self, canonical: &str) -> Result<()> {
+    fn build(&mut self, points: &str, faces: &str) -> Result<()> {
         let options =
             tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
         let count = self.parts.len();
@@ -93,38 +91,29 @@ impl ObjMesh {
                 (1..count).map(|number| (number.to_string(), number - 1)).collect(),
             ))
         };
-        let mut reader = Cursor::new("mtllib numbered\n").chain(Cursor::new(canonical));
+        let mut reader = Cursor::new("mtllib numbered\n").chain(Cursor::new(points)).chain(Cursor::new(faces));
         let (models, _) = tobj::load_obj_buf(&mut reader, &options, numbered).map_err(|error| {
             Error::Internal(format!("{}: the scan let pass what tobj refuses: {error}", quote::path(&self.path)))
         })?;
         self.triangles.reserve_exact(models.iter().map(|model| model.mesh.indices.len() / 3).sum());
-        self.corners.reserve_exact(
-            models.iter().filter(|model| self.smooth(&model.mesh)).map(|model| model.mesh.indices.len() / 3).sum(),
-        );
+        self.corners.reserve_exact(models.iter().map(|model| smooth_triangles(&model.mesh).count()).sum());
         for model in models {
             self.append(&model.mesh);
         }
         Ok(())
     }
 
-    /// Whether every corner of the mesh's part has a normal.
-    fn smooth(&self, mesh: &tobj::Mesh) -> bool {
-        let part = mesh.material_id.map_or(0, |index| index + 1);
-        self.parts[part].all_normals && mesh.normal_indices.len() == mesh.indices.len()
-    }
-
     fn append(&mut self, mesh: &tobj::Mesh) {
         let part = mesh.material_id.map_or(0, |index| index + 1);
-        let has_normals = self.smooth(mesh);
-        let has_uvs = self.parts[part].all_uvs && mesh.texcoord_indices.len() == mesh.indices.len();
         let point = |data: &[f64], index: u32| DVec3::from_slice(&data[3 * index as usize..]);
-        for (first, indices) in mesh.indices.chunks_exact(3).enumerate() {
-            let first = 3 * first;
-            let corners = if has_normals {
+        let mut smooth = smooth_triangles(mesh).peekable();
+        for (triangle, indices) in mesh.indices.chunks_exact(3).enumerate() {
+            let first = 3 * triangle;
+            let corners = if smooth.next_if_eq(&triangle).is_some() {
                 let normal = |corner: usize| point(&mesh.normals, mesh.normal_indices[first + corner]);
-                let uv = |corner: usize| match has_uvs {
-                    true => DVec2::from_slice(&mesh.texcoords[2 * mesh.texcoord_indices[first + corner] as usize..]),
-                    false => DVec2::ZERO,
+                // A face without them has the one of zeros, which the scan added.
+                let uv = |corner: usize| {
+                    DVec2::from_slice(&mesh.texcoords[2 * mesh.texcoord_indices[first + corner] as usize..])
                 };
                 self.corners.push(ObjCorners { normals: [0, 1, 2].map(normal), uvs: [0, 1, 2].map(uv) });
                 (self.corners.len() - 1) as u32
@@ -148,13 +137,24 @@ impl ObjMesh {
         self.libraries.iter().flat_map(names)
     }
 
-    /// The refusal of a `usemtl` whose name is in none of `known`.
-    pub(super) fn unknown_material<'a>(&self, part: &Part, known: impl Iterator<Item = &'a str>) -> Error {
-        let allowed = match known_names(&part.name, known, "the nearest that is defined is", "defined are") {
+    /// The warning of a `usemtl` whose name is in none of `known`.
+    pub(super) fn missing_material<'a>(&self, part: &Part, known: impl Iterator<Item = &'a str>) -> String {
+        let defined = match known_names(&part.name, known, "the nearest that is defined is", "defined are") {
             Some(names) => names,
             None if self.libraries.is_empty() => "the file has no mtllib, and the scene defines no material".to_owned(),
             None => "no material is defined".to_owned(),
         };
-        Error::scene(&self.path, part.line, format!("usemtl {}: no such material; {allowed}", quoted(&part.name)))
+        let (path, name, faces) = (quote::path(&self.path), quoted(bare_name(&part.name)), part.faces);
+        let faces = if faces == 1 { "1 face has".to_owned() } else { format!("{faces} faces have") };
+        format!("{path}:{}: usemtl {name}: no such material; {faces} the format's own (Kd 0.8); {defined}", part.line)
     }
+}
+
+/// Triangles of a mesh whose face has normals on every corner; the corners of others have one that is no number, which
+/// the scan added, or none where the whole file has none.
+fn smooth_triangles(mesh: &tobj::Mesh) -> impl Iterator<Item = usize> {
+    let is_number = |&index: &u32| mesh.normals.get(3 * index as usize).is_some_and(|x| !x.is_nan());
+    let smooth = move |indices: &[u32]| indices.iter().all(is_number);
+    let triangles = mesh.normal_indices.chunks_exact(3).enumerate();
+    triangles.filter(move |(_, indices)| smooth(indices)).map(|(triangle, _)| triangle)
 }

@@ -1,8 +1,9 @@
 //! A line scan of an OBJ file that owns every refusal: `tobj` gives no line numbers, and has holes.
 //!
 //! Comes in: the text of an OBJ file. Goes out: an [`ObjScan`], whose canonical text holds nothing but checked `v`, `vt`,
-//! `vn`, `f` and numbered `usemtl` lines, so that none of `tobj`'s habits (triangles made of `l`, names cut at a tab,
-//! vertex colours out of step) can be met. What reads the canonical text may assume that every index is in range.
+//! `vn`, `f` and numbered `usemtl` lines, points before faces, so that none of `tobj`'s habits (triangles made of `l`,
+//! names cut at a tab, vertex colours out of step, normals that a corner does not have taken from another) can be met.
+//! What reads the canonical text may assume that every index is in range.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -10,16 +11,12 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::census::Census;
-use super::number::in_range;
-use super::obj_words::{MAX_COUNT, index, numbers, push_numbers, push_words, rest, room_for};
-use super::polygon::{Flaw, flaw};
+use super::obj_points::Points;
+use super::obj_words::{Corner, corner, rest, room_for};
+use super::polygon::{Split, Splitter};
 use super::refusals::Refusals;
-use super::warnings::Warnings;
-use crate::quote::{self, quoted};
+use super::warnings::{Tally, Warnings};
 use crate::{Error, Result};
-
-/// Longest statement of numbers that are written anew, in bytes.
-const MAX_NUMBERS_BYTES: usize = 96;
 
 /// Statements of the OBJ format that say nothing about the surface of polygons.
 const SILENT: [&str; 14] = [
@@ -39,11 +36,16 @@ const SILENT: [&str; 14] = [
     "trace_obj",
 ];
 
+/// Longest corner that is written anew, in bytes: three indices of ten digits.
+const MAX_CORNER_BYTES: usize = 33;
+
 /// What the scan found.
 pub(super) struct ObjScan {
-    /// The checked statements, with `usemtl 1` for the first material named, and so on.
-    pub canonical: String,
-    /// Materials by number; 0 is that of the faces above any `usemtl`.
+    /// The checked points.
+    pub points: String,
+    /// The checked faces, with `usemtl 1` for the first material named, and so on; 0 is no material.
+    pub faces: String,
+    /// Materials by number; 0 is that of the faces without one.
     pub parts: Vec<Part>,
     /// What `mtllib` statements name, with their lines; none twice.
     pub libraries: Vec<(String, usize)>,
@@ -52,235 +54,189 @@ pub(super) struct ObjScan {
 /// The faces of one material.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
-    /// Name of the material; empty for the faces above any `usemtl`.
+    /// Name of the material; empty for the faces without one.
     pub name: String,
     /// Line of the first `usemtl` that names it.
     pub line: usize,
     /// Faces that use it.
     pub faces: usize,
-    /// Whether every corner of those faces has a normal.
-    pub all_normals: bool,
-    /// Whether every corner of those faces has a texture coordinate.
-    pub all_uvs: bool,
 }
 
 impl Part {
     fn new(name: &str, line: usize) -> Part {
-        Part { name: name.to_owned(), line, faces: 0, all_normals: true, all_uvs: true }
+        Part { name: name.to_owned(), line, faces: 0 }
     }
 }
 
 /// Scans `text`, which `path` holds and whose statements were counted.
 pub(super) fn scan(path: &Path, text: &str, census: &Census, warnings: &mut Warnings) -> Result<ObjScan> {
+    let mut refusals = Refusals::default();
+    let points = Points::read(path, text, census, &mut refusals);
     let mut scanner = Scanner {
-        positions: Vec::with_capacity(census.positions),
-        uvs: 0,
-        normals: 0,
+        points,
+        above: [0; 3],
         part: 0,
         parts: vec![Part::new("", 0)],
         part_of_name: HashMap::new(),
         libraries: Vec::new(),
         library_names: HashSet::new(),
-        canonical: String::with_capacity(text.len() + 64),
+        faces: String::with_capacity(text.len() / 2 + 64),
         corners: Vec::new(),
+        positions: Vec::new(),
+        splitter: Splitter::new(),
         unknown: Tally::default(),
         curved: Tally::default(),
         bent: Tally::default(),
-        folded: Tally::default(),
+        overlapping: Tally::default(),
+        nameless: Tally::default(),
     };
-    let mut refusals = Refusals::default();
-    for (index, line) in text.lines().enumerate() {
-        if let Err(message) = scanner.statement(line, index + 1) {
-            refusals.add(Error::scene(path, index + 1, message));
-            scanner.count_refused(line);
+    for (line, number) in text.lines().zip(1..) {
+        if let Err((line, message)) = scanner.statement(line, number) {
+            refusals.add(Error::scene(path, line.unwrap_or(number), message));
         }
     }
+    refusals.in_order_of_lines();
     refusals.finish()?;
     scanner.finish(path, warnings)
 }
 
-/// How often something was met, and where first.
-#[derive(Default)]
-struct Tally {
-    count: usize,
-    line: usize,
-    word: String,
-}
-
-impl Tally {
-    fn add(&mut self, line: usize, word: &str) {
-        if self.count == 0 {
-            self.line = line;
-            self.word = word.to_owned();
-        }
-        self.count += 1;
-    }
-}
+/// The message of a refusal, and its line where that is not the statement's.
+type Refused = (Option<usize>, String);
 
 struct Scanner<'a> {
-    positions: Vec<DVec3>,
-    uvs: usize,
-    normals: usize,
+    points: Points,
+    /// Positions, texture coordinates and normals above the line at hand.
+    above: [usize; 3],
     part: usize,
     parts: Vec<Part>,
     part_of_name: HashMap<&'a str, usize>,
     libraries: Vec<(String, usize)>,
     library_names: HashSet<&'a str>,
-    canonical: String,
-    /// Positions of the face at hand, kept to spare an allocation a face.
-    corners: Vec<DVec3>,
+    faces: String,
+    /// The face at hand; kept to spare allocations for every one.
+    corners: Vec<Corner>,
+    positions: Vec<DVec3>,
+    splitter: Splitter,
     unknown: Tally,
     curved: Tally,
     bent: Tally,
-    folded: Tally,
+    overlapping: Tally,
+    nameless: Tally,
 }
 
 impl<'a> Scanner<'a> {
-    fn statement(&mut self, line: &'a str, number: usize) -> std::result::Result<(), String> {
+    fn statement(&mut self, line: &'a str, number: usize) -> std::result::Result<(), Refused> {
         let mut words = line.split_ascii_whitespace();
         let Some(keyword) = words.next() else { return Ok(()) };
         match keyword {
-            "v" => self.vertex(rest(line, keyword)),
-            "vt" => self.uv(rest(line, keyword)),
-            "vn" => self.normal(rest(line, keyword)),
-            "f" => self.face(words, number),
-            "usemtl" => self.use_material(rest(line, keyword), number),
+            "v" => self.above[0] += 1,
+            "vt" => self.above[1] += 1,
+            "vn" => self.above[2] += 1,
+            // In the first version of the format, a face was "fo".
+            "f" | "fo" => return self.face(words, keyword, number),
+            "usemtl" => return self.use_material(rest(line, keyword), number).map_err(|message| (None, message)),
             "mtllib" => match rest(line, keyword) {
-                "" => Err("mtllib without a file name; allowed is mtllib FILE".to_owned()),
+                "" => self.nameless.add(number, ""),
                 name => {
                     if self.library_names.insert(name) {
                         self.libraries.push((name.to_owned(), number));
                     }
-                    Ok(())
                 }
             },
-            _ if keyword.starts_with('#') || SILENT.contains(&keyword) => Ok(()),
+            _ if keyword.starts_with('#') || SILENT.contains(&keyword) => {}
             "vp" | "deg" | "bmat" | "step" | "cstype" | "curv" | "curv2" | "surf" | "parm" | "trim" | "hole"
-            | "scrv" | "sp" | "end" | "con" | "ctech" | "stech" | "call" | "csh" => {
-                self.curved.add(number, keyword);
-                Ok(())
-            }
-            _ => {
-                self.unknown.add(number, keyword);
-                Ok(())
-            }
-        }
-    }
-
-    /// Counts what a refused line would have defined, so that faces below it are not refused for its want.
-    fn count_refused(&mut self, line: &str) {
-        match line.split_ascii_whitespace().next() {
-            Some("v") if self.positions.len() < MAX_COUNT => self.positions.push(DVec3::ZERO),
-            Some("vt") => self.uvs += 1,
-            Some("vn") => self.normals += 1,
-            _ => {}
-        }
-    }
-
-    fn vertex(&mut self, body: &str) -> std::result::Result<(), String> {
-        let (values, count) = numbers::<7>(body.split_ascii_whitespace())?;
-        if !matches!(count, 3 | 4 | 6 | 7) {
-            return Err(format!("v with {count} numbers; allowed are 3 (x y z), 4 (with w) or 6 (with a colour)"));
-        }
-        let w = if count == 4 { values[3] } else { 1.0 };
-        self.room_to_write()?;
-        let position = DVec3::new(values[0], values[1], values[2]) / w;
-        if !in_range(position) {
-            return Err(format!("v with w = {w:e}; allowed is a w that keeps x/w, y/w and z/w within 1e100"));
-        }
-        room_for(self.positions.len(), "vertices")?;
-        self.positions.push(position);
-        match count {
-            3 => push_words(&mut self.canonical, "v", body),
-            _ => push_numbers(&mut self.canonical, "v", &position.to_array()),
+            | "scrv" | "sp" | "end" | "con" | "ctech" | "stech" | "call" | "csh" => self.curved.add(number, keyword),
+            _ => self.unknown.add(number, keyword),
         }
         Ok(())
     }
 
-    fn uv(&mut self, body: &str) -> std::result::Result<(), String> {
-        let (values, count) = numbers::<3>(body.split_ascii_whitespace())?;
-        if count == 0 {
-            return Err("vt with 0 numbers; allowed are 1 to 3 (u v w)".to_owned());
-        }
-        room_for(self.uvs, "texture coordinates")?;
-        self.room_to_write()?;
-        self.uvs += 1;
-        match count {
-            2 => push_words(&mut self.canonical, "vt", body),
-            _ => push_numbers(&mut self.canonical, "vt", &values[..2]),
-        }
-        Ok(())
-    }
-
-    fn normal(&mut self, body: &str) -> std::result::Result<(), String> {
-        let (_, count) = numbers::<3>(body.split_ascii_whitespace())?;
-        if count != 3 {
-            return Err(format!("vn with {count} numbers; allowed are 3 (x y z)"));
-        }
-        room_for(self.normals, "normals")?;
-        self.normals += 1;
-        push_words(&mut self.canonical, "vn", body);
-        Ok(())
-    }
-
-    fn face(&mut self, words: impl Iterator<Item = &'a str>, line: usize) -> std::result::Result<(), String> {
+    fn face(
+        &mut self,
+        words: impl Iterator<Item = &'a str>,
+        keyword: &str,
+        line: usize,
+    ) -> std::result::Result<(), Refused> {
         self.corners.clear();
-        let (mut all_uvs, mut all_normals) = (true, true);
-        self.canonical.push('f');
+        self.positions.clear();
+        let counts = [self.points.positions.len(), self.points.uvs, self.points.normals];
         for word in words {
-            let mut fields = word.split('/');
-            let position = fields.next().unwrap_or("");
-            let uv = fields.next().unwrap_or("");
-            let normal = fields.next().unwrap_or("");
-            if fields.next().is_some() {
-                return Err(format!(
-                    "corner {} has more than 3 indices; allowed is v, v/vt, v//vn or v/vt/vn",
-                    quoted(word)
-                ));
+            // A comment may end the line.
+            let (word, ends) = word.split_once('#').map_or((word, false), |(word, _)| (word, true));
+            if !(ends && word.is_empty()) {
+                let corner = corner(word, counts, self.above).map_err(|message| (None, message))?;
+                self.corners.push(corner);
+                self.positions.push(self.points.positions[corner.position]);
             }
-            let position = index(position, word, self.positions.len(), "vertex", "vertices")?;
-            if uv.is_empty() {
-                all_uvs = false;
-            } else {
-                index(uv, word, self.uvs, "texture coordinate", "texture coordinates")?;
+            if ends {
+                break;
             }
-            if normal.is_empty() {
-                all_normals = false;
-            } else {
-                index(normal, word, self.normals, "normal", "normals")?;
-            }
-            self.corners.push(self.positions[position]);
-            self.canonical.push(' ');
-            self.canonical.push_str(word);
         }
-        self.canonical.push('\n');
-        if self.corners.len() < 3 {
-            return Err(format!("f with {} corners; allowed are 3 or more", self.corners.len()));
+        let count = self.corners.len();
+        if count < 3 {
+            return Err((None, format!("{keyword} with {count} corners; allowed are 3 or more")));
         }
-        match flaw(&self.corners) {
-            Some(Flaw::Bent) => self.bent.add(line, ""),
-            Some(Flaw::Folded) => self.folded.add(line, ""),
-            None => {}
+        for corner in &self.corners {
+            // Refused once, at the line of the vertex.
+            if let Some((line, message)) = self.points.unusable.remove(&corner.position) {
+                return Err((Some(line), message));
+            }
         }
         let part = &mut self.parts[self.part];
-        room_for(part.faces, "faces")?;
+        room_for(part.faces, "faces").map_err(|message| (None, message))?;
         part.faces += 1;
-        part.all_uvs &= all_uvs;
-        part.all_normals &= all_normals;
-        Ok(())
+        self.write_face(line).map_err(|message| (None, message))
     }
 
-    /// Refuses a text that grows beyond memory when its numbers are written anew.
-    fn room_to_write(&mut self) -> std::result::Result<(), String> {
-        let refused = |_| "the text, with its numbers written anew, does not fit in memory".to_owned();
-        self.canonical.try_reserve(MAX_NUMBERS_BYTES).map_err(refused)
+    /// Writes the face at hand: as it is where a fan covers it, else as triangles.
+    fn write_face(&mut self, line: usize) -> std::result::Result<(), String> {
+        let smooth = self.points.normals > 0 && self.corners.iter().all(|corner| corner.normal.is_some());
+        let mapped = smooth && self.corners.iter().all(|corner| corner.uv.is_some());
+        // What a file has normals for must be said of every corner; those of corners without stand behind the others.
+        let (no_uv, no_normal) = (self.points.uvs, self.points.normals);
+        let with_normals = self.points.normals > 0;
+        let write = |corner: &Corner, faces: &mut String| {
+            faces.push(' ');
+            push_index(faces, corner.position);
+            if with_normals {
+                faces.push('/');
+                push_index(faces, corner.uv.filter(|_| mapped).unwrap_or(no_uv));
+                faces.push('/');
+                push_index(faces, corner.normal.filter(|_| smooth).unwrap_or(no_normal));
+            }
+        };
+        let split = self.splitter.split(&self.positions);
+        let (Split::Fan { bent, .. } | Split::Ears { bent, .. }) = split;
+        if bent {
+            self.bent.add(line, "");
+        }
+        let written = if let Split::Ears { triangles, .. } = split { 3 * triangles.len() } else { self.corners.len() };
+        let refused = |_| "the faces, written anew, do not fit in memory".to_owned();
+        self.faces.try_reserve((MAX_CORNER_BYTES + 4) * written).map_err(refused)?;
+        match split {
+            Split::Fan { overlaps, .. } => {
+                if overlaps {
+                    self.overlapping.add(line, "");
+                }
+                self.faces.push('f');
+                self.corners.iter().for_each(|corner| write(corner, &mut self.faces));
+                self.faces.push('\n');
+            }
+            Split::Ears { triangles, .. } => {
+                for triangle in triangles {
+                    self.faces.push('f');
+                    triangle.iter().for_each(|&place| write(&self.corners[place], &mut self.faces));
+                    self.faces.push('\n');
+                }
+            }
+        }
+        Ok(())
     }
 
     fn use_material(&mut self, name: &'a str, line: usize) -> std::result::Result<(), String> {
-        if name.is_empty() {
-            return Err("usemtl without a name; allowed is usemtl NAME".to_owned());
-        }
         self.part = match self.part_of_name.get(name) {
+            // What exporters write for no material.
+            _ if name.is_empty() || name.starts_with('#') => 0,
             Some(&part) => part,
             None => {
                 self.parts.push(Part::new(name, line));
@@ -288,10 +244,11 @@ impl<'a> Scanner<'a> {
                 self.parts.len() - 1
             }
         };
-        self.room_to_write()?;
-        self.canonical.push_str("usemtl ");
-        self.canonical.push_str(&self.part.to_string());
-        self.canonical.push('\n');
+        let refused = |_| "the faces, written anew, do not fit in memory".to_owned();
+        self.faces.try_reserve(MAX_CORNER_BYTES).map_err(refused)?;
+        self.faces.push_str("usemtl ");
+        self.faces.push_str(&self.part.to_string());
+        self.faces.push('\n');
         Ok(())
     }
 
@@ -299,30 +256,52 @@ impl<'a> Scanner<'a> {
         if self.parts.iter().all(|part| part.faces == 0) {
             return Err(Error::scene(path, 0, "no face (f) in the file; allowed is an OBJ file with at least one"));
         }
-        let mut warn = |tally: &Tally, kind: &'static str, text: &str| {
-            if tally.count > 0 {
-                let (line, count, word) = (tally.line, tally.count, quoted(&tally.word));
-                // The word comes last: what it holds is not looked at.
-                let text = text.replace("{n}", &count.to_string()).replace("{word}", &word);
-                warnings.add(kind, || format!("{}:{line}: {text}", quote::path(path)));
-            }
-        };
-        warn(
-            &self.unknown,
+        self.unknown.warn(
+            path,
+            warnings,
             "unknown statements",
             "{word} is no statement of the OBJ format: {n} such lines ignored (the first is here)",
         );
-        warn(&self.curved, "curves", "{word}: {n} lines of curves and curved surfaces ignored (the first is here)");
-        warn(
-            &self.bent,
+        self.curved.warn(
+            path,
+            warnings,
+            "curves",
+            "{word}: {n} lines of curves and curved surfaces ignored (the first is here)",
+        );
+        self.nameless.warn(
+            path,
+            warnings,
+            "mtllib statements without a file name",
+            "mtllib without a file name ({n} such lines, the first is here)",
+        );
+        self.bent.warn(
+            path,
+            warnings,
             "polygons that are not planar",
             "{n} polygons are not planar and were split into fans (the first is here)",
         );
-        warn(
-            &self.folded,
-            "concave polygons",
-            "{n} polygons are concave, and the fans they were split into overlap (the first is here)",
+        self.overlapping.warn(
+            path,
+            warnings,
+            "polygons that cross themselves",
+            "{n} polygons cross themselves or have too many corners, and the fans they were split into overlap \
+             (the first is here)",
         );
-        Ok(ObjScan { canonical: self.canonical, parts: self.parts, libraries: self.libraries })
+        self.points.warn(path, warnings);
+        let (points, faces) = (self.points.canonical, self.faces);
+        Ok(ObjScan { points, faces, parts: self.parts, libraries: self.libraries })
     }
+}
+
+/// Appends an index, which counts from 1 in the format.
+fn push_index(text: &mut String, index: usize) {
+    let mut digits = [0; 20];
+    let mut first = digits.len();
+    let mut left = index + 1;
+    while left > 0 {
+        first -= 1;
+        digits[first] = b'0' + (left % 10) as u8;
+        left /= 10;
+    }
+    text.push_str(std::str::from_utf8(&digits[first..]).unwrap_or_default());
 }

@@ -66,6 +66,11 @@ pub(super) struct MaterialEntry {
 }
 
 impl MaterialEntry {
+    /// Whether the table states the quantity.
+    pub(super) fn changes(&self, quantity: Quantity) -> bool {
+        self.changes.iter().any(|(changed, ..)| *changed == quantity)
+    }
+
     /// Overrides what the table states.
     pub(super) fn apply(&self, recipe: &mut Recipe) {
         for (quantity, key, words) in &self.changes {
@@ -73,6 +78,7 @@ impl MaterialEntry {
             // Every value was checked by the same function when the table was read.
             let checked = quantity.set(recipe, key, &words);
             debug_assert!(checked.is_ok());
+            recipe.state(*quantity, self.line);
         }
     }
 }

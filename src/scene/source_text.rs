@@ -7,6 +7,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use super::statements::{end_lines, join_lines};
 use crate::input_file::InputFile;
 use crate::{Error, Result, memory};
 
@@ -51,14 +52,37 @@ impl Folders {
     }
 }
 
+/// Text of an OBJ or MTL file, of a line each statement: see [`super::statements`].
+pub(super) fn decode_statements(path: &Path, mut bytes: Vec<u8>) -> Result<String> {
+    if !is_utf16(&bytes) {
+        end_lines(&mut bytes);
+        bytes = join_lines(bytes);
+    }
+    decode(path, bytes)
+}
+
+fn is_utf16(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff])
+}
+
+/// Cuts off the Ctrl-Z or NUL bytes with which some programs end or fill a file.
+fn cut_filling(bytes: &mut Vec<u8>) {
+    let fills = |byte: &u8| matches!(byte, 0 | 0x1a);
+    let text = bytes.iter().rposition(|byte| !fills(byte) && !byte.is_ascii_whitespace()).map_or(0, |last| last + 1);
+    if text > 0 && bytes[text..].iter().any(fills) {
+        bytes.truncate(text);
+    }
+}
+
 /// Text of `bytes`, which `path` holds. Bytes that are not UTF-8 are read as Latin-1, as old exporters write names.
-pub(super) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String> {
+pub(super) fn decode(path: &Path, mut bytes: Vec<u8>) -> Result<String> {
     if bytes.is_empty() {
         return Err(Error::scene(path, 0, "the file is empty; allowed is UTF-8 text"));
     }
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+    if is_utf16(&bytes) {
         return Err(Error::scene(path, 0, "the file is UTF-16; allowed is UTF-8 text"));
     }
+    cut_filling(&mut bytes);
     check_bytes(path, &bytes)?;
     let mut text = match String::from_utf8(bytes) {
         Ok(text) => text,
@@ -108,6 +132,18 @@ mod tests {
         let path = Path::new("a.obj");
         assert_eq!(decode(path, b"\xef\xbb\xbfv 1 2 3".to_vec()).unwrap(), "v 1 2 3");
         assert_eq!(decode(path, b"usemtl gr\xfcn".to_vec()).unwrap(), "usemtl grün");
+    }
+
+    #[test]
+    fn what_fills_the_end_of_a_file_is_cut_off() {
+        let path = Path::new("a.obj");
+        for end in ["\0\0\0", "\x1a", "\n\x1a\n", "\r\n\0\0\r\n\x1a\x1a"] {
+            assert_eq!(decode(path, format!("v 1 2 3{end}").into_bytes()).unwrap(), "v 1 2 3", "{end:?}");
+        }
+        assert_eq!(decode(path, b"v 1 2 3\n\n".to_vec()).unwrap(), "v 1 2 3\n\n");
+        for binary in [&b"\0\0"[..], b"\x1av", b"v\0v"] {
+            assert!(decode(path, binary.to_vec()).unwrap_err().to_string().contains("the file is binary"));
+        }
     }
 
     #[test]

@@ -4,6 +4,9 @@
 //! which there are more, how many.
 
 use std::collections::HashMap;
+use std::path::Path;
+
+use crate::quote::{self, quoted};
 
 /// Warnings of a kind that are told one by one.
 const TOLD: usize = 16;
@@ -40,6 +43,34 @@ impl Warnings {
             }
         }
         lines
+    }
+}
+
+/// How often something was met in a file, and where first.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    count: usize,
+    line: usize,
+    word: String,
+}
+
+impl Tally {
+    /// Counts one, at this line and with this word.
+    pub(super) fn add(&mut self, line: usize, word: &str) {
+        if self.count == 0 {
+            self.line = line;
+            self.word = word.to_owned();
+        }
+        self.count += 1;
+    }
+
+    /// Warns where there was any; `{n}` and `{word}` of the text are the number and the first word.
+    pub(super) fn warn(&self, path: &Path, warnings: &mut Warnings, kind: &'static str, text: &str) {
+        if self.count > 0 {
+            // The word comes last: what it holds is not looked at.
+            let text = text.replace("{n}", &self.count.to_string()).replace("{word}", &quoted(&self.word));
+            warnings.add(kind, || format!("{}:{}: {text}", quote::path(path), self.line));
+        }
     }
 }
 

@@ -45,6 +45,64 @@ fn files_of_other_renderers() {
     near(&folder.json(&["grey.exr", "grey.exr"], 0)["figures"]["rmse"], 0.0, 0.0);
 }
 
+/// RenderMan's, V-Ray's and Gaffer's names, layers in another letter case, and what only looks like a colour.
+#[test]
+fn channels_are_found_under_the_names_of_other_renderers() {
+    let folder = Folder::new();
+    let (noisy, clean) = pictures();
+    folder.write("clean.exr", &clean);
+    folder.write("noisy.exr", &noisy);
+    let expected = folder.json(&["noisy.exr", "clean.exr"], 0)["figures"]["relative_mse"].as_f64().expect("a number");
+    for (names, layer) in [
+        (["Ci.r", "Ci.g", "Ci.b"], "Ci"),
+        ([".R", ".G", ".B"], ""),
+        (["r", "g", "b"], ""),
+        (["Beauty.R", "Beauty.G", "Beauty.B"], "Beauty"),
+    ] {
+        let mut all = planes(names, &noisy);
+        // A normal and a position: neither is a picture.
+        all.extend(planes(["N.x", "N.y", "N.z"], &clean));
+        all.extend(planes(["P.X", "P.Y", "P.Z"], &clean));
+        write_at(&folder.at("other.exr"), (WIDTH, HEIGHT), (0, 0), all);
+        let found = folder.json(&["other.exr", "clean.exr"], 0);
+        assert_eq!(found["layer"], layer);
+        near(&found["figures"]["relative_mse"], expected, 0.0);
+        let by_name = folder.json(&["other.exr", "clean.exr", "--layer", &layer.to_uppercase()], 0);
+        near(&by_name["figures"]["relative_mse"], expected, 0.0);
+    }
+    let mut two = planes(["Beauty.R", "Beauty.G", "Beauty.B"], &noisy);
+    two.extend(planes(["BEAUTY.R", "BEAUTY.G", "BEAUTY.B"], &clean));
+    write_at(&folder.at("two.exr"), (WIDTH, HEIGHT), (0, 0), two);
+    near(&folder.json(&["two.exr", "clean.exr", "--layer", "BEAUTY"], 0)["figures"]["rmse"], 0.0, 0.0);
+    assert!(folder.refused(&["two.exr", "clean.exr", "--layer", "beauty"], 3).contains("no layer \"beauty\""));
+}
+
+/// A pipe is read to its end, and a picture of another format is told what is compared.
+#[test]
+fn pipes_are_read_and_other_formats_named() {
+    let folder = Folder::new();
+    let (noisy, clean) = pictures();
+    folder.write("clean.exr", &clean);
+    folder.write("noisy.exr", &noisy);
+    if cfg!(unix) {
+        let line = format!("'{}' compare <(cat noisy.exr) <(sleep 0.2; cat noisy.exr)", env!("CARGO_BIN_EXE_texray"));
+        let bash = std::process::Command::new("bash").current_dir(folder.at("")).args(["-c", &line]).output();
+        let bash = bash.expect("bash runs");
+        let text = String::from_utf8_lossy(&bash.stdout);
+        assert!(bash.status.success() && text.contains("infinite: the pictures are equal"), "{bash:?}");
+    }
+    for (start, name) in
+        [(&b"\x89PNG\r\n\x1a\n"[..], "a PNG"), (b"\xff\xd8\xff\xe0", "a JPEG"), (b"#?RADIANCE\n", "a Radiance HDR")]
+    {
+        fs::write(folder.at("other.exr"), start).expect("a file can be written");
+        let message = folder.refused(&["other.exr", "clean.exr"], 3);
+        assert!(
+            message.starts_with(&format!("error: other.exr: this is {name}, and compare takes OpenEXR")),
+            "{message}"
+        );
+    }
+}
+
 #[test]
 fn what_is_no_picture_or_another_window_is_refused_by_name() {
     let folder = Folder::new();
