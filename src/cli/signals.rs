@@ -102,11 +102,11 @@ mod tests {
 
     /// One test only: handlers belong to the process, and a second signal after a while would end it.
     #[test]
-    fn tells_which_signal_came_first() {
+    fn a_burst_of_signals_is_told_as_one() {
         let signals = Signals::watch().unwrap();
         assert_eq!(signals.received(), None);
-        for signal in [consts::SIGTERM, consts::SIGTERM, consts::SIGINT] {
-            low_level::raise(signal).unwrap();
+        for _ in 0..3 {
+            low_level::raise(consts::SIGTERM).unwrap();
         }
         let start = Instant::now();
         while signals.received().is_none() && start.elapsed() < BURST {
