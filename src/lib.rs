@@ -11,13 +11,13 @@
 //! holds `unsafe`, and knows nothing of scenes. [`interface`] states what CPU and GPU agree on, and [`memory`] what the
 //! host has left.
 //! [`selftest`] and [`study`] stand above all stages: one asks them hard questions, the other what they cost. [`compare`]
-//! holds finished pictures against each other, and [`report`] shows what was found. [`distributions`] serves whoever judges numbers.
+//! holds finished pictures against each other, and [`report`] shows what was found. [`statistics`]
+//! lies beneath them all, for whoever judges numbers.
 
 #![deny(unsafe_code)]
 
 pub mod bvh;
 pub mod compare;
-pub mod distributions;
 pub mod error;
 pub mod film;
 pub mod gpu;
@@ -29,6 +29,7 @@ pub mod report;
 pub mod scene;
 pub mod selftest;
 pub mod settings;
+pub mod statistics;
 pub mod study;
 pub mod texels;
 

@@ -245,8 +245,8 @@ pub enum Buffers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::selftest::bench::plain_settings;
-    use crate::selftest::calls::nothing;
+    use crate::selftest::kit::probe_calls::nothing;
+    use crate::selftest::kit::test_bench::plain_settings;
 
     fn settings() -> Settings {
         plain_settings(&nothing(), 32, 24, 16)

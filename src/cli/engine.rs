@@ -10,9 +10,12 @@ use serde::Serialize;
 use texray::film::Film;
 use texray::gpu::{self, Context, ContextOptions, DeviceChoice, DeviceInfo};
 use texray::render::bounce_cap::cap_bias;
+use texray::render::startup;
 use texray::render::{CapBias, Effects, Observer, RenderReport, Renderer, Settings, StopRules, Tuning};
 use texray::scene::Scene;
-use texray::selftest::{self, Bench, Case, CaseReport, Finding, Tier, startup};
+use texray::selftest;
+use texray::selftest::{Case, CaseReport, TestBench, Tier};
+use texray::statistics::Finding;
 use texray::study::{self, Ended, Kind, Plan, Rows, Watch};
 use texray::{Error, Result};
 
@@ -124,7 +127,7 @@ impl Engine {
 
     /// Runs one hard case.
     pub fn run_case(&self, tier: Tier, case: &'static Case) -> CaseReport {
-        selftest::run_case(&Bench::new(&self.context, tier), case)
+        selftest::run_case(&TestBench::new(&self.context, tier), case)
     }
 
     /// A hash of the path tracer's kernel, the same from run to run.

@@ -14,6 +14,7 @@ pub mod pass;
 mod path_buffers;
 pub mod report;
 mod setup;
+pub mod startup;
 pub mod stop;
 pub mod tiles;
 mod tuning;

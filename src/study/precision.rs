@@ -17,7 +17,7 @@ use super::{Plan, Row, Rows, Spread, Step, Study, Values, Watch};
 use crate::gpu::Context;
 use crate::render::{Guard, Tuning};
 use crate::report::{Bars, Block};
-use crate::selftest::{Bench, Tier};
+use crate::selftest::{TestBench, Tier};
 use crate::settings::{Intersector, Settings};
 use crate::{Error, Result};
 use faults::Fault;
@@ -122,7 +122,7 @@ fn schedule(scenes: usize, cases: &[Case], repeats: u32) -> Vec<Step> {
 pub struct Precision {
     subjects: Subjects,
     names: Vec<String>,
-    bench: Bench,
+    bench: TestBench,
     scale: Scale,
     cases: Vec<Case>,
     /// Pictures with all guards, by scene and repeat.
@@ -140,7 +140,7 @@ impl Precision {
         Ok(Precision {
             subjects,
             names,
-            bench: Bench::new(context, Tier::Fast),
+            bench: TestBench::new(context, Tier::Fast),
             scale: plan.amount.of(FULL, QUICK, LEAST),
             cases: cases(),
             guarded: None,

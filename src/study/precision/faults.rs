@@ -12,10 +12,11 @@ use crate::bvh::{Accel, Builder, Intersector, Ray, WideBvh};
 use crate::interface::NO_INDEX;
 use crate::render::Guard;
 use crate::scene::Triangle;
-use crate::selftest::random::Random;
-use crate::selftest::rays::rays;
-use crate::selftest::tracing::{Answer, Departure, Leaving, Mesh};
-use crate::selftest::{Bench, meshes};
+use crate::selftest::TestBench;
+use crate::selftest::kit::meshes;
+use crate::selftest::kit::rays::rays;
+use crate::selftest::kit::tracing::{Answer, Departure, Leaving, Mesh};
+use crate::statistics::random::Random;
 
 /// Something that may go wrong, and what is left out to see it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +82,7 @@ impl Fault {
     }
 
     /// Traces `count` rays.
-    pub fn measure(self, bench: &Bench, count: usize) -> Result<Values> {
+    pub fn measure(self, bench: &TestBench, count: usize) -> Result<Values> {
         let (faults, rays) = match self {
             Fault::Leak(test) => leaks(bench, test, count)?,
             Fault::Tree(guard) => lost_by_tree(&without(bench, guard), count)?,
@@ -95,12 +96,12 @@ impl Fault {
     }
 }
 
-fn without(bench: &Bench, guard: Option<Guard>) -> Bench {
+fn without(bench: &TestBench, guard: Option<Guard>) -> TestBench {
     guard.map_or_else(|| bench.clone(), |guard| bench.without(guard))
 }
 
 /// Rays that leave a closed mesh, and all of them.
-fn leaks(bench: &Bench, test: Test, count: usize) -> Result<(usize, usize)> {
+fn leaks(bench: &TestBench, test: Test, count: usize) -> Result<(usize, usize)> {
     let sphere = meshes::displaced_sphere(17, 32);
     let bench = if test == Test::Fused { bench.without(Guard::UnfusedEdges) } else { bench.clone() };
     let intersector = if test == Test::MollerTrumbore { Intersector::MollerTrumbore } else { Intersector::Watertight };
@@ -118,7 +119,7 @@ fn leaks(bench: &Bench, test: Test, count: usize) -> Result<(usize, usize)> {
 }
 
 /// Rays of the self-test's hard families that the wide tree answers otherwise than no tree does, both with the same guards.
-fn lost_by_tree(bench: &Bench, count: usize) -> Result<(usize, usize)> {
+fn lost_by_tree(bench: &TestBench, count: usize) -> Result<(usize, usize)> {
     let named = [meshes::displaced_sphere(8, 12), meshes::cube(4), meshes::exponential(140), meshes::clusters()];
     let (mut faults, mut all) = (0, 0);
     for (triangles, seed) in named.iter().zip(220..) {
@@ -134,7 +135,7 @@ fn lost_by_tree(bench: &Bench, count: usize) -> Result<(usize, usize)> {
 }
 
 /// Rays that leave triangles of all sizes and hit them at once.
-fn self_hits(bench: &Bench, origin: Origin, count: usize) -> Result<(usize, usize)> {
+fn self_hits(bench: &TestBench, origin: Origin, count: usize) -> Result<(usize, usize)> {
     let by_index = matches!(origin, Origin::Guarded | Origin::IndexAlone);
     let by_offset = matches!(origin, Origin::Guarded | Origin::OffsetAlone);
     let bench = if by_index { bench.clone() } else { bench.without(Guard::SkipSource) };

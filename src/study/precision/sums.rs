@@ -13,7 +13,8 @@ use crate::film::{Film, PixelSum, replicate_of_block};
 use crate::gpu::shaders;
 use crate::interface::BLOCK_SAMPLES;
 use crate::render::Guard;
-use crate::selftest::{Bench, streams};
+use crate::selftest::TestBench;
+use crate::selftest::kit::streams;
 
 /// Dispatches of a device's sum: a million numbers.
 const DISPATCHES: u32 = 16;
@@ -55,11 +56,11 @@ impl Sum {
     }
 
     /// Sums a million numbers uniform in [0, 1).
-    pub fn measure(self, bench: &Bench) -> Result<Values> {
+    pub fn measure(self, bench: &TestBench) -> Result<Values> {
         const UNIFORM: usize = 1;
         let count = DISPATCHES * streams::STEPS;
         let exact = streams::sum(UNIFORM as u32, count);
-        let device = |bench: &Bench| streams::compensated(bench, shaders::PROBE_SUMS, DISPATCHES);
+        let device = |bench: &TestBench| streams::compensated(bench, shaders::PROBE_SUMS, DISPATCHES);
         let blocks = || streams::blocks(bench, BLOCKS);
         let f64_of = |block: &PixelSum| f64::from(f32::from_bits(block[UNIFORM]));
         let sum = match self {

@@ -11,8 +11,8 @@ use crate::Result;
 use crate::interface::NO_INDEX;
 use crate::scene::normalise::has_area;
 use crate::scene::{FilmSettings, Filter, LoadReport, RenderDefaults, Scaling, Scene, Triangle};
-use crate::selftest::random::Random;
-use crate::selftest::scenes::{camera, lambert};
+use crate::selftest::kit::scenes::{camera, lambert};
+use crate::statistics::random::Random;
 
 /// How triangles are placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use crate::interface::NO_INDEX;
 use crate::scene::Triangle;
 use glam::Vec3;
 
-use super::random::Random;
+use crate::statistics::random::Random;
 
 /// A flat triangle of material 0.
 pub fn triangle(a: Vec3, b: Vec3, c: Vec3) -> Triangle {

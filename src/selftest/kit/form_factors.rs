@@ -7,13 +7,14 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use super::random::Random;
-use super::scattering::{Measured, measure, smooth_settings};
-use super::scenes::{SceneBuilder, camera, lambert};
-use super::{Bench, Finding, Tier};
 use crate::Result;
 use crate::scene::Scene;
+use crate::selftest::kit::scattering::{Measured, measure, smooth_settings};
+use crate::selftest::kit::scenes::{SceneBuilder, camera, lambert};
+use crate::selftest::kit::{TestBench, Tier};
 use crate::settings::{Lights, Settings};
+use crate::statistics::Finding;
+use crate::statistics::random::Random;
 
 /// Reflectance of what is lit.
 pub const ALBEDO: f64 = 0.5;
@@ -62,13 +63,13 @@ impl Lit {
     }
 
     /// Renders it with `spp` samples for each of 32 x 32 pixels.
-    pub fn measure(&self, bench: &Bench, lights: Lights, spp: u32) -> Result<Measured> {
+    pub fn measure(&self, bench: &TestBench, lights: Lights, spp: u32) -> Result<Measured> {
         let scene = self.scene();
         measure(bench, &scene, &Settings { lights, max_bounces: 1, ..smooth_settings(&scene, 32, spp) })
     }
 
     /// Radiance against albedo times form factor, and how well it is known.
-    pub fn findings(&self, bench: &Bench, spp: u32, error: f64) -> Result<Vec<Finding>> {
+    pub fn findings(&self, bench: &TestBench, spp: u32, error: f64) -> Result<Vec<Finding>> {
         let measured = self.measure(bench, Lights::Mis, spp)?;
         let mut findings = vec![
             Finding::z(&self.name, ALBEDO * self.factor, measured.mean, measured.variance),
@@ -87,7 +88,7 @@ impl Lit {
 }
 
 /// Findings on each, at the tier's number of samples and error.
-pub fn check(bench: &Bench, all: &[Lit]) -> Result<Vec<Finding>> {
+pub fn check(bench: &TestBench, all: &[Lit]) -> Result<Vec<Finding>> {
     let error = if bench.tier() == Tier::Full { 3e-4 } else { 3e-3 };
     let mut findings = Vec::new();
     for lit in all {

@@ -2,15 +2,16 @@
 //!
 //! Comes in: a bench. Goes out: findings on means that no roulette may change, and on noise that it must keep in bounds.
 
-use super::bench::plain_settings;
-use super::furnaces::{furnace, mean, series};
-use super::scenes::{SceneBuilder, camera, glass};
-use super::{Bench, Finding};
 use crate::Result;
+use crate::selftest::TestBench;
+use crate::selftest::kit::furnaces::{furnace, mean, series};
+use crate::selftest::kit::scenes::{SceneBuilder, camera, glass};
+use crate::selftest::kit::test_bench::plain_settings;
 use crate::settings::{Hemisphere, Lights, Roulette, Settings};
+use crate::statistics::Finding;
 
 /// Roulette changes noise and no mean, whatever the probability, and keeps noise in bounds.
-pub fn check(bench: &Bench) -> Result<Vec<Finding>> {
+pub fn check(bench: &TestBench) -> Result<Vec<Finding>> {
     let spp = bench.count(32, 512) as u32;
     let half = furnace(0.5, false);
     let mut findings = Vec::new();
@@ -54,7 +55,7 @@ pub fn check(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// Walls of 0.001: after the first bounce a path is worth a thousandth. A survivor is worth at most 20 times more, not a fifth of
 /// the light, so the few there are make no fireflies.
-fn roulette_of_dark_walls(bench: &Bench) -> Result<Finding> {
+fn roulette_of_dark_walls(bench: &TestBench) -> Result<Finding> {
     let scene = furnace(0.001, false);
     let settings = Settings {
         roulette: Roulette::Throughput,
@@ -73,7 +74,7 @@ fn roulette_of_dark_walls(bench: &Bench) -> Result<Finding> {
 
 /// A glass ball behind a window in a white furnace: a path inside the ball has a throughput of 1 / 3^2, which it gets back on
 /// its way out. Judged by that, roulette would end almost half of the paths that enter the ball.
-fn roulette_in_glass(bench: &Bench) -> Result<Finding> {
+fn roulette_in_glass(bench: &TestBench) -> Result<Finding> {
     let mut builder = SceneBuilder::new();
     let body = builder.material(glass(3.0));
     builder.sphere([0.0; 3], 1.0, 3, body, true);

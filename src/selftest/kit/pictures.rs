@@ -3,16 +3,17 @@
 //! Comes in: a scene and settings. Goes out: moments over pixels of one expectation, bits to compare, or tiles with their
 //! variances. A render in which a sample was left out is an error here, as no such case expects one.
 
-use super::directions::Worst;
-use super::finding::VERDICTS;
-use super::statistics::{Moments, critical_z};
-use super::{Bench, Finding};
 use crate::render::Rendered;
 use crate::scene::Scene;
+use crate::selftest::kit::TestBench;
+use crate::selftest::kit::worst::Worst;
 use crate::settings::Settings;
+use crate::statistics::Finding;
+use crate::statistics::finding::VERDICTS;
+use crate::statistics::{Moments, critical_z};
 use crate::{Error, Result};
 
-fn rendered(bench: &Bench, scene: &Scene, settings: &Settings) -> Result<Rendered> {
+fn rendered(bench: &TestBench, scene: &Scene, settings: &Settings) -> Result<Rendered> {
     let rendered = bench.render(scene, settings)?;
     match rendered.report.invalid_samples.values().sum() {
         0u64 => Ok(rendered),
@@ -21,24 +22,24 @@ fn rendered(bench: &Bench, scene: &Scene, settings: &Settings) -> Result<Rendere
 }
 
 /// Moments of the red channel over the pixels, for scenes in which all of them have one expectation.
-pub fn pixel_moments(bench: &Bench, scene: &Scene, settings: &Settings) -> Result<Moments> {
+pub fn pixel_moments(bench: &TestBench, scene: &Scene, settings: &Settings) -> Result<Moments> {
     let film = rendered(bench, scene, settings)?.film;
     Ok(Moments::of(film.mean().into_iter().map(|pixel| f64::from(pixel[0]))))
 }
 
 /// The bits of the picture.
-pub fn bits(bench: &Bench, scene: &Scene, settings: &Settings) -> Result<Vec<[u32; 3]>> {
+pub fn bits(bench: &TestBench, scene: &Scene, settings: &Settings) -> Result<Vec<[u32; 3]>> {
     Ok(rendered(bench, scene, settings)?.film.mean().into_iter().map(|pixel| pixel.map(f32::to_bits)).collect())
 }
 
 /// Pixels that are not black.
-pub fn lit_pixels(bench: &Bench, scene: &Scene, settings: &Settings) -> Result<u64> {
+pub fn lit_pixels(bench: &TestBench, scene: &Scene, settings: &Settings) -> Result<u64> {
     let film = rendered(bench, scene, settings)?.film;
     Ok(film.mean().iter().filter(|rgb| rgb.iter().any(|&channel| channel != 0.0)).count() as u64)
 }
 
 /// Largest relative distance of any pixel's channel from `expected`.
-pub fn worst_error(bench: &Bench, scene: &Scene, settings: &Settings, expected: f64) -> Result<f64> {
+pub fn worst_error(bench: &TestBench, scene: &Scene, settings: &Settings, expected: f64) -> Result<f64> {
     let film = rendered(bench, scene, settings)?.film;
     let mut worst = Worst::default();
     film.mean().into_iter().flatten().for_each(|value| worst.add((f64::from(value) / expected - 1.0).abs()));
@@ -56,7 +57,7 @@ const TILE: usize = 8;
 
 /// Two pictures of one expectation, from seeds of their own: the worst z over tiles of 8x8 pixels and three channels.
 pub fn compare_tiles(
-    bench: &Bench,
+    bench: &TestBench,
     what: impl Into<String>,
     [first, second]: [(&Scene, &Settings); 2],
 ) -> Result<Finding> {
@@ -76,7 +77,7 @@ pub fn compare_tiles(
 }
 
 /// Mean and its variance for each tile and channel, from the film's replicates.
-fn tiles(bench: &Bench, (scene, settings): (&Scene, &Settings)) -> Result<Vec<(f64, f64)>> {
+fn tiles(bench: &TestBench, (scene, settings): (&Scene, &Settings)) -> Result<Vec<(f64, f64)>> {
     let film = rendered(bench, scene, settings)?.film;
     let estimate = film.estimate();
     let (width, height) = (settings.width as usize, settings.height as usize);

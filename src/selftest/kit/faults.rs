@@ -2,8 +2,8 @@
 //!
 //! Comes in: materials. Goes out: scenes. May be assumed: what is faulty fills whole pixels, and nothing else is.
 
-use super::scenes::{SceneBuilder, camera, glass, lambert, mirror};
 use crate::scene::{Material, Scene};
+use crate::selftest::kit::scenes::{SceneBuilder, camera, glass, lambert, mirror};
 
 /// Pixels to a side of the pictures.
 pub const SIDE: u32 = 8;

@@ -4,15 +4,17 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::random::Random;
-use super::tracing::{Departure, Leaving, Mesh};
-use super::{Bench, Finding, meshes};
 use crate::Result;
 use crate::bvh::{Builder, WideBvh};
 use crate::scene::Triangle;
+use crate::selftest::TestBench;
+use crate::selftest::kit::meshes;
+use crate::selftest::kit::tracing::{Departure, Leaving, Mesh};
+use crate::statistics::Finding;
+use crate::statistics::random::Random;
 
 /// Floor, light close above it, and between them nothing or a blocker.
-pub fn check(bench: &Bench) -> Result<Vec<Finding>> {
+pub fn check(bench: &TestBench) -> Result<Vec<Finding>> {
     // Off the origin and turned, so that planes round.
     let place = DVec3::new(0.61, 0.37, -0.53);
     let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
@@ -74,7 +76,7 @@ pub fn check(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// A light a million times as long as wide: its barycentrics are good to some hundredths, and so is the distance at which its
 /// own shadow ray meets it. `at` gives points of its plane, which faces the floor.
-fn needle_light(bench: &Bench, floor: &[Triangle], at: &dyn Fn(f64, f64) -> Vec3) -> Result<Finding> {
+fn needle_light(bench: &TestBench, floor: &[Triangle], at: &dyn Fn(f64, f64) -> Vec3) -> Result<Finding> {
     let light = meshes::triangle(at(-0.4, -0.3), at(0.4, 0.3), at(0.4, 0.3 + 8e-7));
     let triangles = [floor, &[light]].concat();
     let id = floor.len() as u32;

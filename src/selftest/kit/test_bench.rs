@@ -1,11 +1,11 @@
 //! Where the cases run: a device, how much is to be sampled, and perhaps a guard that is out.
 
-use super::probe::Probe;
 use crate::Result;
 use crate::gpu::Context;
 use crate::interface::BLOCK_SAMPLES;
 use crate::render::{Guard, Observer, Progress, Rendered, Renderer, Tuning};
 use crate::scene::{Filter, Scene};
+use crate::selftest::kit::probe::Probe;
 use crate::settings::{Roulette, Sampler, Settings};
 use crate::texels::Texel;
 
@@ -20,21 +20,21 @@ pub enum Tier {
 
 /// A device under test.
 #[derive(Clone, Debug)]
-pub struct Bench {
+pub struct TestBench {
     context: Context,
     tier: Tier,
     without: Option<Guard>,
 }
 
-impl Bench {
+impl TestBench {
     /// A bench with every guard in place.
-    pub fn new(context: &Context, tier: Tier) -> Bench {
-        Bench { context: context.clone(), tier, without: None }
+    pub fn new(context: &Context, tier: Tier) -> TestBench {
+        TestBench { context: context.clone(), tier, without: None }
     }
 
     /// The same bench with a guard taken out, where something ought to fail.
-    pub fn without(&self, guard: Guard) -> Bench {
-        Bench { without: Some(guard), ..self.clone() }
+    pub fn without(&self, guard: Guard) -> TestBench {
+        TestBench { without: Some(guard), ..self.clone() }
     }
 
     /// The device.

@@ -2,12 +2,12 @@
 //!
 //! Comes in: a bench and arguments as floats. Goes out: what the renderer's own functions made of them.
 
-use super::Bench;
-use super::bench::plain_settings;
-use super::calls::{Calls, nothing};
 use crate::Result;
 use crate::gpu::shaders;
 use crate::scene::Scene;
+use crate::selftest::kit::TestBench;
+use crate::selftest::kit::probe_calls::{ProbeCalls, nothing};
+use crate::selftest::kit::test_bench::plain_settings;
 use crate::settings::{Sampler, Settings};
 use crate::texels::Texel;
 
@@ -55,32 +55,32 @@ pub const WEIGHTS: usize = 64;
 pub type Arguments = [[f32; 4]; 3];
 
 /// Calls a function of `probe_sampling` on words, over the records of a scene.
-pub fn call_words(bench: &Bench, scene: &Scene, function: u32, input: &[Texel]) -> Result<Vec<Texel>> {
-    Calls { scene: Some(scene), ..Calls::new(shaders::PROBE_SAMPLING, function, input) }.run(bench)
+pub fn call_words(bench: &TestBench, scene: &Scene, function: u32, input: &[Texel]) -> Result<Vec<Texel>> {
+    ProbeCalls { scene: Some(scene), ..ProbeCalls::new(shaders::PROBE_SAMPLING, function, input) }.run(bench)
 }
 
 /// Calls a function of `probe_sampling` on floats.
-pub fn call_sampling(bench: &Bench, function: u32, input: &[[f32; 4]]) -> Result<Vec<[f32; 4]>> {
+pub fn call_sampling(bench: &TestBench, function: u32, input: &[[f32; 4]]) -> Result<Vec<[f32; 4]>> {
     let input: Vec<Texel> = input.iter().map(|call| call.map(f32::to_bits)).collect();
     let answers = call_words(bench, &nothing(), function, &input)?;
     Ok(answers.into_iter().map(|answer| answer.map(f32::from_bits)).collect())
 }
 
 /// Calls a function of `probe_scattering` over the records of a scene.
-pub fn call_in(bench: &Bench, scene: &Scene, function: u32, input: &[Arguments]) -> Result<Vec<[[f32; 4]; 2]>> {
+pub fn call_in(bench: &TestBench, scene: &Scene, function: u32, input: &[Arguments]) -> Result<Vec<[[f32; 4]; 2]>> {
     let input: Vec<Texel> = input.iter().flatten().map(|texel| texel.map(f32::to_bits)).collect();
-    let calls = Calls {
+    let calls = ProbeCalls {
         scene: Some(scene),
         calls: input.len() as u32 / 3,
         output_texels: 2,
-        ..Calls::new(shaders::PROBE_SCATTERING, function, &input)
+        ..ProbeCalls::new(shaders::PROBE_SCATTERING, function, &input)
     };
     let answers = calls.run(bench)?;
     Ok(answers.as_chunks::<2>().0.iter().map(|answer| answer.map(|texel| texel.map(f32::from_bits))).collect())
 }
 
 /// Calls a function of `probe_scattering`.
-pub fn call(bench: &Bench, function: u32, input: &[Arguments]) -> Result<Vec<[[f32; 4]; 2]>> {
+pub fn call(bench: &TestBench, function: u32, input: &[Arguments]) -> Result<Vec<[[f32; 4]; 2]>> {
     call_in(bench, &nothing(), function, input)
 }
 
@@ -105,7 +105,7 @@ impl Measured {
 }
 
 /// Renders and takes the mean of all pixels. Pixels are independent, each of at least two replicates.
-pub fn measure(bench: &Bench, scene: &Scene, settings: &Settings) -> Result<Measured> {
+pub fn measure(bench: &TestBench, scene: &Scene, settings: &Settings) -> Result<Measured> {
     let rendered = bench.render(scene, settings)?;
     let estimate = rendered.film.estimate();
     let count = estimate.mean.len() as f64;

@@ -4,17 +4,19 @@
 
 use std::f64::consts::TAU;
 
-use super::random::Random;
-use super::scattering::{COSINE_HEMISPHERE, DISC_POINT, UNIFORM_HEMISPHERE, call, call_sampling};
-use super::statistics::Moments;
-use super::{Bench, Finding};
 use crate::Result;
+use crate::selftest::TestBench;
+use crate::selftest::kit::scattering::{COSINE_HEMISPHERE, DISC_POINT, UNIFORM_HEMISPHERE, call, call_sampling};
+use crate::selftest::kit::worst::Worst;
+use crate::statistics::Finding;
+use crate::statistics::Moments;
+use crate::statistics::random::Random;
 
 /// What Vulkan allows sine and cosine to be off by, absolutely.
 const SINE_ERROR: f64 = 1.0 / 2048.0;
 
 /// Hard case 7.
-pub fn check(bench: &Bench) -> Result<Vec<Finding>> {
+pub fn check(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut random = Random::new(7, 0);
     let count = bench.count(1 << 17, 1 << 20);
     let numbers: Vec<[f32; 4]> = (0..count).map(|_| [random.unit(), random.unit(), 0.0, 0.0]).collect();
@@ -52,15 +54,4 @@ pub fn check(bench: &Bench) -> Result<Vec<Finding>> {
     let why = "1e-6, though sine and cosine are off by up to 2^-11: six roundings of 2^-24 and 2 units of the root";
     findings.push(Finding::at_most("distance of disc points from their circle", 1e-6, worst.0, why));
     Ok(findings)
-}
-
-/// The largest of many errors; a NaN among them is larger than any.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Worst(pub f64);
-
-impl Worst {
-    /// Takes one error into account.
-    pub fn add(&mut self, error: f64) {
-        self.0 = if error.is_nan() { f64::INFINITY } else { self.0.max(error) };
-    }
 }

@@ -7,7 +7,7 @@ use crate::bvh::{Accel, Ray};
 use crate::scene::Triangle;
 use glam::Vec3;
 
-use super::random::Random;
+use crate::statistics::random::Random;
 
 /// Coordinates of planes on which quantised boxes end, per axis.
 fn planes(accel: &Accel) -> [Vec<f32>; 3] {

@@ -2,14 +2,14 @@
 //!
 //! Comes in: a kernel, a function's number, arguments, and a scene where one matters. Goes out: its answers.
 
-use super::Bench;
-use super::probe::Probe;
-use super::scenes::{SceneBuilder, camera};
 use crate::Result;
 use crate::bvh::Accel;
 use crate::gpu::{ShaderModule, shaders};
 use crate::interface::{SAMPLER_INDEPENDENT, SAMPLER_SOBOL, SAMPLER_TABLE, SPEC_SAMPLER};
 use crate::scene::{Filter, Scene};
+use crate::selftest::kit::TestBench;
+use crate::selftest::kit::probe::Probe;
+use crate::selftest::kit::scenes::{SceneBuilder, camera};
 use crate::settings::{Buffers, LightPick, Sampler, Settings};
 use crate::texels::{Texel, TexelData};
 
@@ -24,7 +24,7 @@ pub fn nothing() -> Scene {
 }
 
 /// The kernel of the float functions, in the mode of `bench`'s renders: with NaN kept where the device offers that.
-pub fn float_probe(bench: &Bench) -> ShaderModule {
+pub fn float_probe(bench: &TestBench) -> ShaderModule {
     if bench.context().device_info().shader_signed_zero_inf_nan_preserve_float32 {
         shaders::PROBE_FLOATS_KEEP_NAN
     } else {
@@ -33,7 +33,7 @@ pub fn float_probe(bench: &Bench) -> ShaderModule {
 }
 
 /// A call of many: function `function` of the kernel `module`.
-pub struct Calls<'a> {
+pub struct ProbeCalls<'a> {
     /// The kernel.
     pub module: ShaderModule,
     /// Number of the function.
@@ -48,7 +48,7 @@ pub struct Calls<'a> {
     pub filter: Filter,
     /// First sample of the run: its block decides the replicate.
     pub first_sample: u32,
-    /// Calls; the kernel says how many texels of `input` each takes.
+    /// ProbeCalls; the kernel says how many texels of `input` each takes.
     pub calls: u32,
     /// Arguments.
     pub input: &'a [Texel],
@@ -58,10 +58,10 @@ pub struct Calls<'a> {
     pub dispatches: u32,
 }
 
-impl<'a> Calls<'a> {
+impl<'a> ProbeCalls<'a> {
     /// One call a texel of input, one texel of answer, independent samples.
-    pub fn new(module: ShaderModule, function: u32, input: &'a [Texel]) -> Calls<'a> {
-        Calls {
+    pub fn new(module: ShaderModule, function: u32, input: &'a [Texel]) -> ProbeCalls<'a> {
+        ProbeCalls {
             module,
             function,
             scene: None,
@@ -77,7 +77,7 @@ impl<'a> Calls<'a> {
     }
 
     /// Makes the calls.
-    pub fn run(&self, bench: &Bench) -> Result<Vec<Texel>> {
+    pub fn run(&self, bench: &TestBench) -> Result<Vec<Texel>> {
         let empty = nothing();
         let scene = self.scene.unwrap_or(&empty);
         let accel = Accel::brute();

@@ -2,12 +2,13 @@
 //!
 //! Comes in: an albedo. Goes out: a scene, what it should show, and how a render compares.
 
-use super::scenes::{SceneBuilder, camera, glass, lambert, mirror};
-use super::statistics::Moments;
-use super::{Bench, Finding};
 use crate::Result;
 use crate::scene::Scene;
+use crate::selftest::kit::TestBench;
+use crate::selftest::kit::scenes::{SceneBuilder, camera, glass, lambert, mirror};
 use crate::settings::Settings;
+use crate::statistics::Finding;
+use crate::statistics::Moments;
 
 /// A closed cube that emits 1 and reflects `albedo`, diffuse or, with `mirrors`, two facing walls of it as mirrors do.
 pub fn furnace(albedo: f32, mirrors: bool) -> Scene {
@@ -31,7 +32,7 @@ pub fn series(albedo: f32, bounces: u32) -> f64 {
 }
 
 /// The mean over a picture whose pixels have one expectation.
-pub fn mean(bench: &Bench, what: String, scene: &Scene, settings: &Settings, expected: f64) -> Result<Finding> {
+pub fn mean(bench: &TestBench, what: String, scene: &Scene, settings: &Settings, expected: f64) -> Result<Finding> {
     let rendered = bench.render(scene, settings)?;
     let pixels = Moments::of(rendered.film.mean().into_iter().map(|pixel| f64::from(pixel[0])));
     Ok(Finding::mean(what, expected, &pixels))

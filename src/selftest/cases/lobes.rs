@@ -4,12 +4,16 @@
 
 use std::f64::consts::TAU;
 
-use super::directions::Worst;
-use super::random::Random;
-use super::scattering::{Arguments, GGX_DISTRIBUTION, GGX_EVALUATE, GGX_SAMPLE, GGX_WEIGHTS, WEIGHTS, call};
-use super::statistics::{Moments, chi_square_test};
-use super::{Bench, Finding, microfacets};
 use crate::Result;
+use crate::selftest::TestBench;
+use crate::selftest::cases::microfacets;
+use crate::selftest::kit::scattering::{
+    Arguments, GGX_DISTRIBUTION, GGX_EVALUATE, GGX_SAMPLE, GGX_WEIGHTS, WEIGHTS, call,
+};
+use crate::selftest::kit::worst::Worst;
+use crate::statistics::Finding;
+use crate::statistics::random::Random;
+use crate::statistics::{Moments, chi_square_test};
 
 /// A direction at an angle from z, turned about it.
 pub fn direction(theta: f64, phi: f64) -> [f32; 3] {
@@ -28,7 +32,7 @@ pub fn with([x, y, z]: [f32; 3], w: f32) -> [f32; 4] {
 }
 
 /// D(h) against f64 near its peak, where all of it is, and beyond.
-pub fn distribution(bench: &Bench) -> Result<Vec<Finding>> {
+pub fn distribution(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut random = Random::new(47, 0);
     let mut findings = Vec::new();
     for alpha in [1e-4f32, 1e-3, 1e-2, 0.1, 1.0] {
@@ -50,7 +54,7 @@ pub fn distribution(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Weights of visible normals are in [0, 1] whatever the angle.
-pub fn grazing_weights(bench: &Bench) -> Result<Vec<Finding>> {
+pub fn grazing_weights(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut random = Random::new(48, 0);
     let calls = bench.count(1 << 14, 1 << 18);
     let questions: Vec<Arguments> = (0..calls)
@@ -74,7 +78,7 @@ pub fn grazing_weights(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Directional albedos, and samples against their density.
-pub fn lossless_lobe(bench: &Bench) -> Result<Vec<Finding>> {
+pub fn lossless_lobe(bench: &TestBench) -> Result<Vec<Finding>> {
     let calls = bench.count(1 << 9, 1 << 14);
     let lobes: Vec<(f64, f64)> = [0.001, 0.01, 0.1, 0.3, 1.0]
         .iter()
@@ -107,7 +111,7 @@ pub fn lossless_lobe(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// The value is the same with wo and wi exchanged, and where there is one, directions are drawn: over any two directions above
 /// the surface.
-fn reciprocity(bench: &Bench) -> Result<Vec<Finding>> {
+fn reciprocity(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut random = Random::new(49, 1);
     let questions: Vec<Arguments> = (0..bench.count(1 << 15, 1 << 20))
         .map(|_| {
@@ -149,7 +153,7 @@ const CHI_SQUARE: [(f64, f64); 12] = [
 ];
 
 /// Samples' microfacet normals against the density of visible normals, and value over density against the weight.
-fn chi_square(bench: &Bench, random: &mut Random, alpha: f64, degrees: f64) -> Result<Vec<Finding>> {
+fn chi_square(bench: &TestBench, random: &mut Random, alpha: f64, degrees: f64) -> Result<Vec<Finding>> {
     const CELLS: [usize; 2] = [21, 42];
     let theta = degrees.to_radians();
     let wo = direction(theta, 0.0);

@@ -5,17 +5,18 @@
 
 use glam::{DVec3, Vec3};
 
-use super::calls::Calls;
-use super::random::Random;
-use super::scenes::{SceneBuilder, camera, lambert};
-use super::statistics::chi_square_test;
-use super::{Bench, Finding};
 use crate::Result;
 use crate::bvh::Accel;
 use crate::gpu::shaders;
 use crate::interface::{LIGHT_TEXELS, LIGHT_TREE_LEVELS, LIGHT_TREE_WORDS, TRIANGLE_TEXELS, TRIANGLE_TRAIL_SHIFT};
 use crate::scene::Scene;
+use crate::selftest::TestBench;
+use crate::selftest::kit::probe_calls::ProbeCalls;
+use crate::selftest::kit::scenes::{SceneBuilder, camera, lambert};
 use crate::settings::{LightPick, Settings};
+use crate::statistics::Finding;
+use crate::statistics::chi_square_test;
+use crate::statistics::random::Random;
 use crate::texels::triangle::geometric_normal;
 use crate::texels::{Texel, TexelData};
 
@@ -45,7 +46,7 @@ pub fn scattered(count: u32, decades: f64) -> Scene {
 
 /// A scene whose lights are chosen by the tree.
 struct Lit<'a> {
-    bench: &'a Bench,
+    bench: &'a TestBench,
     scene: &'a Scene,
     data: TexelData,
     /// Each light's way from the root, in the order of the lights' records.
@@ -53,7 +54,7 @@ struct Lit<'a> {
 }
 
 impl<'a> Lit<'a> {
-    fn new(bench: &'a Bench, scene: &'a Scene) -> Result<Lit<'a>> {
+    fn new(bench: &'a TestBench, scene: &'a Scene) -> Result<Lit<'a>> {
         let settings = Settings { light_pick: LightPick::Tree, ..Settings::for_scene(scene) };
         let data = TexelData::pack(scene, &Accel::brute(), &settings)?;
         let trail = |record: &[Texel]| {
@@ -65,12 +66,12 @@ impl<'a> Lit<'a> {
     }
 
     fn ask(&self, function: u32, input: &[[Texel; 3]]) -> Result<Vec<Texel>> {
-        let calls = Calls {
+        let calls = ProbeCalls {
             scene: Some(self.scene),
             light_pick: Some(LightPick::Tree),
             calls: input.len() as u32,
             output_texels: 2,
-            ..Calls::new(shaders::PROBE_SCATTERING, function, input.as_flattened())
+            ..ProbeCalls::new(shaders::PROBE_SCATTERING, function, input.as_flattened())
         };
         Ok(calls.run(self.bench)?.into_iter().step_by(2).collect())
     }
@@ -99,7 +100,7 @@ fn question((p, n): Point, first: u32, second: u32, other: Vec3) -> [Texel; 3] {
 }
 
 /// Words of every light add up, none is without, those that matter have more; what is drawn has the words that it is divided by.
-pub fn picks(bench: &Bench) -> Result<Vec<Finding>> {
+pub fn picks(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let large = bench.count(20_000, 100_000) as u32;
     for (count, points, draws) in
@@ -154,7 +155,7 @@ pub fn picks(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// How often each light is picked for one point.
-fn frequencies(bench: &Bench) -> Result<Finding> {
+fn frequencies(bench: &TestBench) -> Result<Finding> {
     let scene = scattered(200, 2.0);
     let lit = Lit::new(bench, &scene)?;
     let point = (Vec3::new(0.1, -0.2, 0.05), Vec3::Y);
@@ -196,7 +197,7 @@ fn ring_and_wall(distance: f64, [ring, wall]: [f32; 2]) -> Scene {
 }
 
 /// A point in the centre of a cluster: the cluster is nearer than any other, but not infinitely so.
-pub fn cluster_around_a_point(bench: &Bench) -> Result<Finding> {
+pub fn cluster_around_a_point(bench: &TestBench) -> Result<Finding> {
     let scene = ring_and_wall(0.4, [1.0, 1.0]);
     let lit = Lit::new(bench, &scene)?;
     let [x, y, z] = [0, 1, 2].map(|lane| f32::from_bits(lit.data.light_nodes[0][lane]));
@@ -209,7 +210,7 @@ pub fn cluster_around_a_point(bench: &Bench) -> Result<Finding> {
 }
 
 /// Lights 10^10 times brighter, which may all be hidden, leave the others a share.
-pub fn bright_beside_faint(bench: &Bench) -> Result<Finding> {
+pub fn bright_beside_faint(bench: &TestBench) -> Result<Finding> {
     let scene = ring_and_wall(0.4, [1e-10, 1.0]);
     let lit = Lit::new(bench, &scene)?;
     let (words, _) = lit.words((scene.scaling.point(DVec3::ZERO).as_vec3(), Vec3::X))?;
@@ -220,7 +221,7 @@ pub fn bright_beside_faint(bench: &Bench) -> Result<Finding> {
 }
 
 /// Where a draw stands among a light's words is below 1, whatever its digits.
-pub fn places_in_words(bench: &Bench) -> Result<Finding> {
+pub fn places_in_words(bench: &TestBench) -> Result<Finding> {
     let scene = scattered(1, 0.0);
     let lit = Lit::new(bench, &scene)?;
     let sizes = (0..=31).flat_map(|exponent| [1u32 << exponent, (1 << exponent) - 1]).filter(|&size| size > 0);

@@ -6,16 +6,17 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 
-use super::probe::Probe;
-use super::scenes::{camera, lambert};
-use super::{Bench, Finding};
 use crate::Result;
 use crate::bvh::{Accel, BinaryBvh, Builder, Hit, Intersector, Ray, WideBvh};
 use crate::gpu::shaders;
 use crate::interface::*;
 use crate::render::Guard;
 use crate::scene::{FilmSettings, Filter, LoadReport, RenderDefaults, Scaling, Scene, Triangle};
+use crate::selftest::kit::TestBench;
+use crate::selftest::kit::probe::Probe;
+use crate::selftest::kit::scenes::{camera, lambert};
 use crate::settings::{Buffers, Settings};
+use crate::statistics::Finding;
 use crate::texels::triangle::area;
 use crate::texels::{Texel, TexelData};
 
@@ -99,7 +100,7 @@ impl Mesh {
     }
 
     /// The closest hit of each ray; a ray's `skip` is an id.
-    pub fn trace(&self, bench: &Bench, rays: &[Ray]) -> Result<Vec<Answer>> {
+    pub fn trace(&self, bench: &TestBench, rays: &[Ray]) -> Result<Vec<Answer>> {
         let mut answers = Vec::with_capacity(rays.len());
         for batch in rays.chunks(BATCH) {
             answers.extend(self.trace_batch(bench, batch)?);
@@ -108,7 +109,7 @@ impl Mesh {
     }
 
     /// Rays that leave the mesh's own triangles: where they start and what they meet.
-    pub fn leave(&self, bench: &Bench, departures: &[Departure], kind: Leaving) -> Result<Vec<Arrival>> {
+    pub fn leave(&self, bench: &TestBench, departures: &[Departure], kind: Leaving) -> Result<Vec<Arrival>> {
         let place = |id: u32| self.places.get(id as usize).copied().unwrap_or(NO_INDEX);
         let mut order = vec![NO_INDEX; self.places.len()];
         (0..).zip(&self.places).for_each(|(id, &place)| order[place as usize] = id);
@@ -151,7 +152,7 @@ impl Mesh {
         Ok(arrivals)
     }
 
-    fn trace_batch(&self, bench: &Bench, rays: &[Ray]) -> Result<Vec<Answer>> {
+    fn trace_batch(&self, bench: &TestBench, rays: &[Ray]) -> Result<Vec<Answer>> {
         let skipped = |id: u32| self.places.get(id as usize).copied().unwrap_or(NO_INDEX);
         let input: Vec<Texel> = rays
             .iter()

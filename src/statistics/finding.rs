@@ -7,7 +7,7 @@ use std::fmt::Display;
 
 use serde::Serialize;
 
-use super::statistics::{FAMILY_ALPHA, Moments, z_test};
+use crate::statistics::{FAMILY_ALPHA, Moments, z_test};
 
 /// Statistical verdicts that share the false-alarm rate of [`FAMILY_ALPHA`]: more than the catalogue holds.
 pub const VERDICTS: usize = 1000;

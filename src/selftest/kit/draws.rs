@@ -2,12 +2,13 @@
 //!
 //! Comes in: which numbers. Goes out: their words, or findings about their means and correlations.
 
-use super::calls::{Calls, float_probe, pixel};
-use super::statistics::Moments;
-use super::{Bench, Finding};
 use crate::Result;
 use crate::gpu::shaders;
+use crate::selftest::kit::TestBench;
+use crate::selftest::kit::probe_calls::{ProbeCalls, float_probe, pixel};
 use crate::settings::Sampler;
+use crate::statistics::Finding;
+use crate::statistics::Moments;
 use crate::texels::Texel;
 
 /// Random-number function of `glsl/probe_sampling.comp`.
@@ -19,9 +20,9 @@ pub fn unit(word: u32) -> f64 {
 }
 
 /// Words of `random_pair`: of pixel, index in the replicate, number of the pair.
-pub fn pairs(bench: &Bench, sampler: Sampler, questions: impl Iterator<Item = [u32; 3]>) -> Result<Vec<Texel>> {
+pub fn pairs(bench: &TestBench, sampler: Sampler, questions: impl Iterator<Item = [u32; 3]>) -> Result<Vec<Texel>> {
     let input: Vec<Texel> = questions.map(|[pixel, index, pair]| [pixel, index, pair, 0]).collect();
-    Calls { sampler, ..Calls::new(shaders::PROBE_SAMPLING, RANDOM_PAIR, &input) }.run(bench)
+    ProbeCalls { sampler, ..ProbeCalls::new(shaders::PROBE_SAMPLING, RANDOM_PAIR, &input) }.run(bench)
 }
 
 /// Correlation of numbers uniform in [0, 1): its standard error is 1 / root n.
@@ -31,7 +32,7 @@ pub fn correlation(what: String, pairs: impl Iterator<Item = (f64, f64)>) -> Fin
 }
 
 /// Variance across pixels of the means of 2^12, 2^16 and 2^20 numbers, in units of a number's own over how many they are.
-pub fn scatter_of_means(bench: &Bench) -> Result<Vec<Finding>> {
+pub fn scatter_of_means(bench: &TestBench) -> Result<Vec<Finding>> {
     const PART: u32 = 4096;
     const MOST: u32 = 1 << 20;
     let pixels = bench.count(64, 1024) as u32;
@@ -39,7 +40,7 @@ pub fn scatter_of_means(bench: &Bench) -> Result<Vec<Finding>> {
     let input: Vec<Texel> = (0..pixels)
         .flat_map(|index| (0..MOST / PART).map(move |part| [pixel(index, 32), part * PART, PART, 0]))
         .collect();
-    let answers = Calls { output_texels: 2, ..Calls::new(float_probe(bench), 4, &input) }.run(bench)?;
+    let answers = ProbeCalls { output_texels: 2, ..ProbeCalls::new(float_probe(bench), 4, &input) }.run(bench)?;
     let mut findings = Vec::new();
     for bits in [12, 16, 20] {
         let taken = (1 << bits) / PART as usize;
@@ -59,13 +60,13 @@ pub fn scatter_of_means(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Variance across pixels of the mean of 131,072 samples over that of the mean of their first 65,536.
-pub fn falling_variance(bench: &Bench) -> Result<Finding> {
+pub fn falling_variance(bench: &TestBench) -> Result<Finding> {
     const PART: u32 = 4096;
     let pixels = bench.count(512, 4096) as u32;
     let parts = 131_072 / PART;
     let input: Vec<Texel> =
         (0..pixels).flat_map(|index| (0..parts).map(move |part| [pixel(index, 64), part * PART, PART, 0])).collect();
-    let answers = Calls { output_texels: 2, ..Calls::new(float_probe(bench), 4, &input) }.run(bench)?;
+    let answers = ProbeCalls { output_texels: 2, ..ProbeCalls::new(float_probe(bench), 4, &input) }.run(bench)?;
     let (mut half, mut whole) = (Moments::default(), Moments::default());
     for pixel in answers.chunks_exact(2 * parts as usize) {
         let sum = |parts: &[Texel]| parts.iter().step_by(2).map(|answer| f64::from(answer[0])).sum::<f64>();

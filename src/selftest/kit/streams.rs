@@ -2,10 +2,10 @@
 //!
 //! Comes in: a stream and how many of its numbers. Goes out: their sum in f64, and what the device makes of them.
 
-use super::Bench;
-use super::calls::Calls;
 use crate::Result;
 use crate::gpu::{ShaderModule, shaders};
+use crate::selftest::kit::TestBench;
+use crate::selftest::kit::probe_calls::ProbeCalls;
 use crate::texels::Texel;
 
 /// Number of streams.
@@ -48,12 +48,12 @@ pub fn sum(stream: u32, count: u32) -> f64 {
 }
 
 /// The streams' sums with compensation by the kernel `module`, `dispatches` times [`STEPS`] numbers each.
-pub fn compensated(bench: &Bench, module: ShaderModule, dispatches: u32) -> Result<Vec<f32>> {
-    let calls = Calls { calls: COUNT, dispatches, ..Calls::new(module, 0, &[]) };
+pub fn compensated(bench: &TestBench, module: ShaderModule, dispatches: u32) -> Result<Vec<f32>> {
+    let calls = ProbeCalls { calls: COUNT, dispatches, ..ProbeCalls::new(module, 0, &[]) };
     Ok(calls.run(bench)?.into_iter().map(|state| f32::from_bits(state[0])).collect())
 }
 
 /// Sums of `blocks` blocks of 16 samples whose channels are the streams, as a render makes them.
-pub fn blocks(bench: &Bench, blocks: u32) -> Result<Vec<Texel>> {
-    Calls { calls: blocks, ..Calls::new(shaders::PROBE_SUMS, 1, &[]) }.run(bench)
+pub fn blocks(bench: &TestBench, blocks: u32) -> Result<Vec<Texel>> {
+    ProbeCalls { calls: blocks, ..ProbeCalls::new(shaders::PROBE_SUMS, 1, &[]) }.run(bench)
 }

@@ -6,8 +6,6 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use super::Finding;
-use super::random::Random;
 use crate::gpu::{
     Barrier, BindGroup, Buffer, BufferUse, ComputePipeline, Context, Ledger, Memory, PipelineDesc, Readback, Recorder,
     Resource, Uploader, shaders,
@@ -15,6 +13,8 @@ use crate::gpu::{
 use crate::interface::{
     BINDING_PROBE_INPUT, BINDING_PROBE_OUTPUT, BUDGET_LANES, MAX_STEP_BUDGET, PUSH_CONSTANT_BYTES, PUSH_CONSTANTS,
 };
+use crate::statistics::Finding;
+use crate::statistics::random::Random;
 use crate::texels::Texel;
 use crate::{Error, Result};
 
