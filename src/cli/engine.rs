@@ -67,7 +67,7 @@ impl DeviceLine {
             let device = DeviceChoice::Index(self.index);
             let context = Context::new(&ContextOptions { device, validation: false });
             match context.and_then(|context| startup::probe(&context)) {
-                Ok(findings) => self.startup = Some(findings),
+                Ok(findings) => self.startup = Some(findings.to_vec()),
                 Err(error) => self.startup_error = Some(error.to_string()),
             }
         }
@@ -160,7 +160,7 @@ impl Engine {
         cap_bias(&self.context, scene, settings, ends, observer)
     }
 
-    /// Renders until a rule ends it, on a device that passes the start-up probe.
+    /// Renders until a rule ends it.
     pub fn render(
         &self,
         scene: &Scene,
@@ -168,7 +168,6 @@ impl Engine {
         rules: StopRules,
         observer: &mut dyn Observer,
     ) -> Result<Rendered> {
-        startup::check(&self.context)?;
         let renderer = Renderer::new(&self.context, scene, settings, &Tuning::default())?;
         let rendered = renderer.stop_by(rules).render(observer)?;
         Ok(Rendered {

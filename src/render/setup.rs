@@ -18,6 +18,7 @@ use crate::render::kernel::{self, Constants, ReadAs};
 use crate::render::pace::{self, Pace, RunLength};
 use crate::render::path_buffers::PathBuffers;
 use crate::render::report::{Bytes, RenderReport, StageSeconds, StopReason};
+use crate::render::startup;
 use crate::render::stop::{Looks, StopRules};
 use crate::render::tiles::{self, SUM_BYTES};
 use crate::render::upload::{self, GpuScene};
@@ -36,6 +37,7 @@ impl Renderer {
         if !settings.allow_black {
             scene.check_emits()?;
         }
+        startup::check(context)?;
         let mut seconds = StageSeconds::default();
         let mut ledger = Ledger::default();
         let pixels = u64::from(settings.width) * u64::from(settings.height);

@@ -1,9 +1,11 @@
 //! The start-up probe: what every picture rests on, asked of a device before its first render.
 //!
 //! Comes in: a device. Goes out: one finding a question, in milliseconds: one small kernel, one dispatch. A device that fails
-//! one cannot be used: its pictures would be wrong without a word.
+//! one cannot be used: its pictures would be wrong without a word. A context keeps what was found, so that its device is asked
+//! once: [`Renderer::new`](crate::render::Renderer::new) asks, so every render is on a device that has passed.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use std::time::Duration;
 
 use crate::gpu::{
@@ -35,8 +37,13 @@ const NEEDED_ITERATIONS: u32 = BUDGET_LANES * MAX_STEP_BUDGET;
 /// NaN questions of the kernel, by bit.
 const NAN_QUESTIONS: [&str; 5] = ["0 * inf", "inf - inf", "0 / 0", "inf / inf", "sqrt(-1)"];
 
+/// What the context's device answers: asked at the first call, kept for all others.
+pub fn probe(context: &Context) -> Result<Arc<[Finding]>> {
+    context.findings(ask)
+}
+
 /// Asks the device, which has a minute to answer.
-pub fn probe(context: &Context) -> Result<Vec<Finding>> {
+fn ask(context: &Context) -> Result<Vec<Finding>> {
     let mut random = Random::new(1, 7);
     let mut questions = Vec::with_capacity(CALLS);
     for call in 0..CALLS {
@@ -47,10 +54,10 @@ pub fn probe(context: &Context) -> Result<Vec<Finding>> {
         let angle = (2.0 * random.next() - 1.0) * std::f64::consts::PI;
         questions.push([a, b, c, angle as f32]);
     }
-    context.limit_waits(Some(ANSWER_LIMIT));
-    let answers = ask(context, &questions);
-    // No bound on a render's dispatches: some drivers compile for minutes in the first.
-    context.limit_waits(None);
+    // The bound is the probe's alone: some drivers compile for minutes in a render's first dispatch.
+    let limit = context.limit_waits(Some(ANSWER_LIMIT));
+    let answers = answers(context, &questions);
+    context.limit_waits(limit);
     let answers = answers?;
     let answers: Vec<[Texel; 3]> = answers.as_chunks::<3>().0.to_vec();
     Ok(vec![
@@ -166,7 +173,7 @@ fn ulps(got: f64, exact: f64) -> f64 {
 }
 
 /// Runs the kernel.
-fn ask(context: &Context, questions: &[[f32; 4]]) -> Result<Vec<Texel>> {
+fn answers(context: &Context, questions: &[[f32; 4]]) -> Result<Vec<Texel>> {
     let keep_nan = context.device_info().shader_signed_zero_inf_nan_preserve_float32;
     let pipeline = ComputePipeline::shared(
         context,

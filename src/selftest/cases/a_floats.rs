@@ -145,7 +145,7 @@ fn invalid_samples(bench: &TestBench) -> Result<Vec<Finding>> {
 }
 
 fn nan_tests(bench: &TestBench) -> Result<Vec<Finding>> {
-    Ok(startup::probe(bench.context())?.into_iter().filter(|finding| finding.what == "nan").collect())
+    Ok(startup::probe(bench.context())?.iter().filter(|finding| finding.what == "nan").cloned().collect())
 }
 
 /// With the check of samples off, a NaN anywhere would reach the film, which refuses it.
@@ -250,7 +250,7 @@ fn compensated_sum(bench: &TestBench) -> Result<Vec<Finding>> {
 /// The driver's limit is measured; a path of forty bounces between mirrors past ten thousand triangles does not see it.
 fn long_loops(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings: Vec<_> =
-        startup::probe(bench.context())?.into_iter().filter(|finding| finding.what == "loops").collect();
+        startup::probe(bench.context())?.iter().filter(|finding| finding.what == "loops").cloned().collect();
     let mut builder = SceneBuilder::new();
     let [mirrors, walls, body, light] = [mirror(0.95, 0.0), lambert(0.5, 0.0), lambert(0.7, 0.0), lambert(0.0, 5.0)]
         .map(|material| builder.material(material));
