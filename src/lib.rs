@@ -8,8 +8,8 @@
 //! ```
 //!
 //! A later stage may import an earlier one, never the reverse. [`gpu`] is the layer beneath: it alone names Vulkan and
-//! holds `unsafe`, and knows nothing of scenes. [`interface`] states what CPU and GPU agree on, and [`memory`] what the
-//! host has left.
+//! holds `unsafe`, and knows nothing of scenes. [`interface`] states what CPU and GPU agree on, [`memory`] what the
+//! host has left, [`named`] how choices are called.
 //! [`selftest`] and [`study`] stand above all stages: one asks them hard questions, the other what they cost. [`compare`]
 //! holds finished pictures against each other, and [`report`] shows what was found. [`statistics`]
 //! lies beneath them all, for whoever judges numbers.
@@ -23,6 +23,7 @@ pub mod film;
 pub mod gpu;
 pub mod interface;
 pub mod memory;
+pub mod named;
 pub mod output;
 pub mod render;
 pub mod report;

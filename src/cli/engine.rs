@@ -138,7 +138,7 @@ impl Engine {
     }
 
     /// Measures what the rows lack, on a device that passes the start-up probe.
-    pub fn study(&self, kind: Kind, plan: &Plan, rows: &mut Rows, watch: &mut dyn Watch) -> Result<Ended> {
+    pub fn study(&self, kind: &Kind, plan: &Plan, rows: &mut Rows, watch: &mut dyn Watch) -> Result<Ended> {
         startup::check(&self.context)?;
         let mut study = kind.open(&self.context, plan, watch)?;
         study::run(study.as_mut(), rows, watch)
