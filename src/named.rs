@@ -1,7 +1,7 @@
 //! Choices of a few values, each stated once with its name and what it is.
 //!
-//! Comes in: an enum with a name and a sentence per value. Goes out: [`Named`], from which the command line makes the values of
-//! an option with their help, JSON its strings, and messages their words.
+//! Comes in: an enum with a name and a sentence per value. Goes out: [`Named`], from which the command line makes the
+//! values of an option with their help, JSON its strings, and messages their words.
 
 /// A choice of a few values by name.
 pub trait Named: Copy + PartialEq + Send + Sync + 'static {

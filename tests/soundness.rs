@@ -21,7 +21,8 @@ use texray::gpu::{
 };
 use texray::interface::*;
 use texray::render::bounce_cap::cap_bias;
-use texray::render::pass::{Pass, Slice};
+use texray::render::pass::Pass;
+use texray::render::slice::Slice;
 use texray::render::tiles::Tile;
 use texray::render::{Effects, Renderer, Roulette, Settings, StopRules, Target, Tuning, startup};
 

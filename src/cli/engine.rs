@@ -75,7 +75,7 @@ impl DeviceLine {
 }
 
 /// A finished render.
-pub struct Rendered {
+pub struct FinishedRender {
     /// What was accumulated.
     pub film: Film,
     /// Figures.
@@ -167,10 +167,10 @@ impl Engine {
         settings: &Settings,
         rules: StopRules,
         observer: &mut dyn Observer,
-    ) -> Result<Rendered> {
+    ) -> Result<FinishedRender> {
         let renderer = Renderer::new(&self.context, scene, settings, &Tuning::default())?;
         let rendered = renderer.stop_by(rules).render(observer)?;
-        Ok(Rendered {
+        Ok(FinishedRender {
             film: rendered.film,
             report: rendered.report,
             ledger: to_json(&rendered.ledger)?,

@@ -9,12 +9,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::choice::DeviceChoice;
+use super::command_slot::CommandSlot;
 use super::device::Device;
 use super::device_info::DeviceInfo;
 use super::instance::Instance;
 use super::messages::{ValidationReport, ValidationWatch};
 use super::pipeline::{ComputePipeline, PipelineKey};
-use super::slot::CommandSlot;
 use crate::Result;
 use crate::statistics::Finding;
 
@@ -89,8 +89,8 @@ impl Context {
         self.0.device.limit_waits(limit)
     }
 
-    /// What was found of the device: `ask` is called once, and what it finds is kept for as long as the context lives. An error
-    /// is not kept.
+    /// What was found of the device: `ask` is called once, and what it finds is kept for as long as the context lives.
+    /// An error is not kept.
     pub(crate) fn findings(&self, ask: impl FnOnce(&Context) -> Result<Vec<Finding>>) -> Result<Arc<[Finding]>> {
         // Held while the device is asked: another thread that wants to know waits for the answer.
         let mut findings = self.0.findings.lock().unwrap_or_else(PoisonError::into_inner);

@@ -6,7 +6,8 @@ use crate::named::named;
 named! {
     /// A layer that can be asked for.
     pub enum Aov {
-        /// Estimated variance of each pixel's mean, `variance.R`, `.G`, `.B`; not a number before two blocks of 16 samples
+        /// Estimated variance of each pixel's mean, `variance.R`, `.G`, `.B`; not a number before two blocks of 16
+        /// samples
         Variance = "variance",
         /// Valid samples of each pixel, `samples.Y`
         Samples = "samples",

@@ -1,8 +1,9 @@
 //! The start-up probe: what every picture rests on, asked of a device before its first render.
 //!
-//! Comes in: a device. Goes out: one finding a question, in milliseconds: one small kernel, one dispatch. A device that fails
-//! one cannot be used: its pictures would be wrong without a word. A context keeps what was found, so that its device is asked
-//! once: [`Renderer::new`](crate::render::Renderer::new) asks, so every render is on a device that has passed.
+//! Comes in: a device. Goes out: one finding a question, in milliseconds: one small kernel, one dispatch. A device that
+//! fails one cannot be used: its pictures would be wrong without a word. A context keeps what was found, so that its
+//! device is asked once: [`Renderer::new`](crate::render::Renderer::new) asks, so every render is on a device that has
+//! passed.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;

@@ -1,10 +1,43 @@
-//! Tests of hypotheses: z, t, Welch, chi-square, Kolmogorov-Smirnov.
+//! Tests of hypotheses (z, t, Welch, chi-square, Kolmogorov-Smirnov), and the false alarms that a suite of them may
+//! raise.
 //!
-//! Comes in: means with variances, samples, counts. Goes out: a [`Verdict`]. Assumes independent samples: those of one Sobol'
-//! sequence are not, use replicates or `--sampler independent`.
+//! Comes in: means with variances, samples, counts. Goes out: a [`Verdict`]. Assumes independent samples: those of one
+//! Sobol' sequence are not, use replicates or `--sampler independent`.
 
-use super::distributions::{chi_square_upper, kolmogorov_upper, normal_two_sided, student_two_sided};
-use super::{Moments, ROUNDING, Verdict};
+use super::distributions::{chi_square_upper, kolmogorov_upper, normal_critical, normal_two_sided, student_two_sided};
+use super::moments::Moments;
+
+/// Chance that a family of tests raises a false alarm.
+pub const FAMILY_ALPHA: f64 = 1e-6;
+/// Share of the expected value that f32 arithmetic may move a radiance by, along a path of some tens of operations
+/// of relative error 2^-24 each and with roundings of one sign: 300 of them.
+pub const ROUNDING: f64 = 2e-5;
+
+/// Chance of a false alarm that each of `tests` independent tests may have for `family` to hold for all (Šidák).
+pub fn sidak(family: f64, tests: usize) -> f64 {
+    -((-family).ln_1p() / tests as f64).exp_m1()
+}
+
+/// Two-sided critical z of one of `tests` tests at [`FAMILY_ALPHA`].
+pub fn critical_z(tests: usize) -> f64 {
+    normal_critical(sidak(FAMILY_ALPHA, tests))
+}
+
+/// A statistic, the probability of one at least as extreme, and where it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict {
+    /// z, t, chi-square or Kolmogorov's D √n.
+    pub statistic: f64,
+    /// Probability of a statistic at least as extreme where nothing is wrong.
+    pub p: f64,
+}
+
+impl Verdict {
+    /// Whether this is no false alarm for one of `tests` tests at [`FAMILY_ALPHA`].
+    pub fn passes(&self, tests: usize) -> bool {
+        self.p >= sidak(FAMILY_ALPHA, tests)
+    }
+}
 
 /// z test: `mean`, whose variance is known well, against `expected`. What lies within [`ROUNDING`] is not held
 /// against it.

@@ -1,6 +1,6 @@
-//! Mean and variance of numbers.
+//! What numbers that come one by one amount to: mean and variance, or the largest error.
 //!
-//! Comes in: numbers, one by one. Goes out: their [`Moments`], in f64.
+//! Comes in: numbers. Goes out: their [`Moments`] or the [`Worst`] of them, in f64.
 
 /// Count, mean and sum of squared deviations, updated number by number (Welford) or merged (Chan).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,5 +36,16 @@ impl Moments {
     /// Estimated variance of the mean.
     pub fn variance_of_mean(&self) -> f64 {
         self.variance() / self.count
+    }
+}
+
+/// The largest of many errors; a NaN among them is larger than any.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Worst(pub f64);
+
+impl Worst {
+    /// Takes one error into account.
+    pub fn add(&mut self, error: f64) {
+        self.0 = if error.is_nan() { f64::INFINITY } else { self.0.max(error) };
     }
 }

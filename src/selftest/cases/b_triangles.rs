@@ -14,10 +14,10 @@ use crate::selftest::kit::pictures::{lit_pixels, pixel_moments, worst_error};
 use crate::selftest::kit::scenes::{SceneBuilder, camera, lambert};
 use crate::selftest::kit::test_bench::plain_settings;
 use crate::selftest::kit::tracing::{Mesh, leaks, mismatches, trees};
-use crate::selftest::kit::worst::Worst;
 use crate::selftest::{Case, Check, TestBench};
 use crate::settings::Settings;
 use crate::statistics::Finding;
+use crate::statistics::Worst;
 use crate::statistics::random::Random;
 
 /// The cases.

@@ -13,10 +13,10 @@ use crate::selftest::kit::pictures::{bits, differing, lit_pixels, pixel_moments,
 use crate::selftest::kit::scenes::{SceneBuilder, camera, glass, lambert};
 use crate::selftest::kit::test_bench::plain_settings;
 use crate::selftest::kit::tracing::{Arrival, Departure, Leaving, Mesh};
-use crate::selftest::kit::worst::Worst;
 use crate::selftest::{Case, Check, TestBench};
 use crate::settings::{Lights, Settings};
 use crate::statistics::Finding;
+use crate::statistics::Worst;
 use crate::statistics::random::Random;
 
 /// The cases.

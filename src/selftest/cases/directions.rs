@@ -7,9 +7,9 @@ use std::f64::consts::TAU;
 use crate::Result;
 use crate::selftest::TestBench;
 use crate::selftest::kit::scattering::{COSINE_HEMISPHERE, DISC_POINT, UNIFORM_HEMISPHERE, call, call_sampling};
-use crate::selftest::kit::worst::Worst;
 use crate::statistics::Finding;
 use crate::statistics::Moments;
+use crate::statistics::Worst;
 use crate::statistics::random::Random;
 
 /// What Vulkan allows sine and cosine to be off by, absolutely.

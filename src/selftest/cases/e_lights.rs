@@ -13,10 +13,10 @@ use crate::selftest::kit::scattering::{
     call_sampling, call_words, measure, smooth_settings,
 };
 use crate::selftest::kit::scenes::{SceneBuilder, camera, lambert};
-use crate::selftest::kit::worst::Worst;
 use crate::selftest::{Case, Check, TestBench, Tier};
 use crate::settings::{LightPick, Lights, Settings};
 use crate::statistics::Finding;
+use crate::statistics::Worst;
 use crate::statistics::chi_square_test;
 use crate::statistics::random::Random;
 use crate::texels::TexelData;

@@ -10,10 +10,10 @@ use crate::selftest::kit::scattering::{
     Arguments, FRESNEL, GLASS, MAKE_BASIS, Measured, REFRACTION, call, call_sampling, measure, smooth_settings,
 };
 use crate::selftest::kit::scenes::{SceneBuilder, camera, glass, lambert};
-use crate::selftest::kit::worst::Worst;
 use crate::selftest::{Case, Check, TestBench};
 use crate::settings::{Lights, Settings};
 use crate::statistics::Finding;
+use crate::statistics::Worst;
 use crate::statistics::random::Random;
 
 /// The cases.

@@ -10,10 +10,10 @@ use crate::selftest::kit::pictures::{bits, compare_tiles, differing, pixel_momen
 use crate::selftest::kit::scattering::{Arguments, REFLECTIONS, call};
 use crate::selftest::kit::scenes::{SceneBuilder, camera, glass, lambert, mirror};
 use crate::selftest::kit::test_bench::plain_settings;
-use crate::selftest::kit::worst::Worst;
 use crate::selftest::{Case, Check, TestBench};
 use crate::settings::Settings;
 use crate::statistics::Finding;
+use crate::statistics::Worst;
 use crate::statistics::random::Random;
 use crate::statistics::{Moments, fit_line};
 

@@ -10,8 +10,8 @@ use crate::selftest::cases::microfacets;
 use crate::selftest::kit::scattering::{
     Arguments, GGX_DISTRIBUTION, GGX_EVALUATE, GGX_SAMPLE, GGX_WEIGHTS, WEIGHTS, call,
 };
-use crate::selftest::kit::worst::Worst;
 use crate::statistics::Finding;
+use crate::statistics::Worst;
 use crate::statistics::random::Random;
 use crate::statistics::{Moments, chi_square_test};
 

@@ -1,7 +1,8 @@
-//! What the cases are made of: a test bench, probes of the renderer's own functions, meshes, rays, scenes and their closed forms.
+//! What the cases are made of: a test bench, probes of the renderer's own functions, meshes, rays, scenes and their
+//! closed forms.
 //!
-//! Comes in: a device and how much is to be sampled. Goes out: what the device answers. It is public: the test programs and the
-//! studies use it too.
+//! Comes in: a device and how much is to be sampled. Goes out: what the device answers. It is public: the test programs
+//! and the studies use it too.
 
 pub mod draws;
 pub mod faults;
@@ -17,6 +18,5 @@ pub mod scenes;
 pub mod streams;
 pub mod test_bench;
 pub mod tracing;
-pub mod worst;
 
 pub use test_bench::{TestBench, Tier};

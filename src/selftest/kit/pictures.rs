@@ -6,9 +6,9 @@
 use crate::render::Rendered;
 use crate::scene::Scene;
 use crate::selftest::kit::TestBench;
-use crate::selftest::kit::worst::Worst;
 use crate::settings::Settings;
 use crate::statistics::Finding;
+use crate::statistics::Worst;
 use crate::statistics::finding::VERDICTS;
 use crate::statistics::{Moments, critical_z};
 use crate::{Error, Result};

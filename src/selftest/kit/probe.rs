@@ -9,10 +9,10 @@ use crate::gpu::{
 use crate::interface::*;
 use crate::render::guard::Guard;
 use crate::render::kernel::{self, Constants, Dispatch};
-use crate::render::pace::max_step_budget;
-use crate::render::pass::{Place, Slice};
+use crate::render::slice::{Place, Slice};
 use crate::render::tiles::Tile;
 use crate::render::upload::{GpuScene, fits_texel_buffers};
+use crate::render::work_size::max_step_budget;
 use crate::settings::Buffers;
 use crate::texels::{Texel, TexelData};
 

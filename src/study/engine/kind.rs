@@ -49,8 +49,8 @@ impl Kind {
         matches!(self.scenes, Scenes::Chosen { .. })
     }
 
-    /// The repository's scenes that show what the study is about, as far as they are there; the first is always kept: its absence
-    /// is to be told.
+    /// The repository's scenes that show what the study is about, as far as they are there; the first is always kept:
+    /// its absence is to be told.
     pub fn default_scenes(&self, amount: Amount) -> Vec<PathBuf> {
         let names = match self.scenes {
             Scenes::Own(names) => names,

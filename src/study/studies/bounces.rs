@@ -28,7 +28,7 @@ pub const KIND: Kind = Kind {
     help: "Brightness, bias and time for 1 to 30 bounces a path",
     title: "Bounces",
     scenes: Scenes::Chosen { full: &["cornell-box", "room"], quick: &["cornell-box"] },
-    summary: summary,
+    summary,
     opens: |context, plan, _| Ok(Box::new(Bounces::new(context, plan)?)),
 };
 

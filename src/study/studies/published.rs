@@ -22,7 +22,7 @@ pub const KIND: Kind = Kind {
     help: "The Cornell box by the published camera, beside another renderer's picture of the same data",
     title: "The Cornell box",
     scenes: Scenes::Own(&["cornell-box"]),
-    summary: summary,
+    summary,
     opens: |context, plan, _| Ok(Box::new(Published::new(context, plan)?)),
 };
 

@@ -24,7 +24,7 @@ pub const KIND: Kind = Kind {
     help: "Pictures, error and time at 1 to 1,500 samples a pixel",
     title: "Samples a pixel",
     scenes: Scenes::Chosen { full: &["cornell-box", "cornell-glass"], quick: &["cornell-box"] },
-    summary: summary,
+    summary,
     opens: |context, plan, _| Ok(Box::new(Spp::new(context, plan)?)),
 };
 

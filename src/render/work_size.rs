@@ -10,7 +10,7 @@ use crate::interface::{BLOCK_SAMPLES, BUDGET_LANES, CPU_STEP_BUDGET, MAX_STEP_BU
 
 /// Rows and step budget of a submit.
 #[derive(Clone, Copy, Debug)]
-pub struct Pace {
+pub struct SubmitSize {
     /// Rows of the tile that a submit works on.
     pub rows: u32,
     /// Pixels that a submit works on where a list has them.
@@ -22,12 +22,12 @@ pub struct Pace {
     samples: u32,
 }
 
-impl Pace {
-    /// The pace for a device, cautious at first: nothing is known of its speed. A CPU has no watchdog and loses time by
+impl SubmitSize {
+    /// The size for a device, cautious at first: nothing is known of its speed. A CPU has no watchdog and loses time by
     /// leaving paths unfinished, so there rows alone follow the clock; a GPU wants all its lanes filled, so there rows grow
     /// to the tile's height first, then the budget. `cpu_lanes` are those of a CPU's vectors, `None` for other devices;
     /// `fixed_budget` pins the budget, for tests, as far as the driver's limit on loops allows.
-    pub fn new(cpu_lanes: Option<u32>, fixed_budget: Option<u32>) -> Pace {
+    pub fn new(cpu_lanes: Option<u32>, fixed_budget: Option<u32>) -> SubmitSize {
         let is_cpu = cpu_lanes.is_some();
         let budget = match (cpu_lanes, fixed_budget) {
             (Some(lanes), None) => a_lane(CPU_STEP_BUDGET, lanes),
@@ -35,7 +35,7 @@ impl Pace {
             (None, fixed) => fixed.unwrap_or(MIN_STEP_BUDGET),
         };
         let budget = budget.max(1);
-        Pace {
+        SubmitSize {
             rows: if is_cpu { 16 } else { 32 },
             listed: if is_cpu { 1 << 13 } else { 1 << 16 },
             budget,
@@ -173,20 +173,20 @@ mod tests {
 
     #[test]
     fn a_submit_of_longer_runs_has_fewer_rows() {
-        let mut pace = Pace::new(Some(8), None);
-        pace.rows = 320;
-        pace.begin_run(16);
-        assert_eq!((pace.rows, pace.listed), (20, 512));
-        pace.begin_run(1);
-        assert_eq!(pace.rows, 320);
-        let mut pace = Pace::new(None, None);
-        pace.begin_run(16);
-        assert_eq!(pace.rows, 32);
+        let mut size = SubmitSize::new(Some(8), None);
+        size.rows = 320;
+        size.begin_run(16);
+        assert_eq!((size.rows, size.listed), (20, 512));
+        size.begin_run(1);
+        assert_eq!(size.rows, 320);
+        let mut size = SubmitSize::new(None, None);
+        size.begin_run(16);
+        assert_eq!(size.rows, 32);
     }
 
     #[test]
     fn the_lanes_of_a_cpus_vector_share_its_iterations() {
-        let budget = |lanes, fixed| Pace::new(lanes, fixed).budget;
+        let budget = |lanes, fixed| SubmitSize::new(lanes, fixed).budget;
         assert_eq!([4, 8, 16, 32].map(|lanes| budget(Some(lanes), None)), [4000, 4000, 2000, 1000]);
         assert_eq!([8, 16].map(|lanes| budget(Some(lanes), Some(8191))), [8191, 4095]);
         assert_eq!((budget(Some(16), Some(64)), budget(Some(1 << 16), None)), (64, MIN_STEP_BUDGET));
@@ -195,20 +195,20 @@ mod tests {
 
     #[test]
     fn submits_follow_the_clock() {
-        let mut pace = Pace::new(None, None);
+        let mut size = SubmitSize::new(None, None);
         for _ in 0..20 {
-            pace.note(pace.rows.min(100), 100, Duration::from_millis(1));
+            size.note(size.rows.min(100), 100, Duration::from_millis(1));
         }
-        assert!(pace.rows >= 100 && pace.budget == MAX_STEP_BUDGET);
+        assert!(size.rows >= 100 && size.budget == MAX_STEP_BUDGET);
         for _ in 0..20 {
-            pace.note(100, 100, Duration::from_secs(1));
+            size.note(100, 100, Duration::from_secs(1));
         }
-        assert_eq!((pace.budget, pace.rows), (MIN_STEP_BUDGET, 50));
-        pace.note_listed(1000, Duration::from_millis(1)); // The list's end: no reason to take more.
-        assert_eq!(pace.listed, 1 << 16);
-        pace.note_listed(1 << 16, Duration::from_millis(1));
-        assert_eq!(pace.listed, 1 << 17);
-        pace.note_listed(1000, Duration::from_secs(1));
-        assert_eq!(pace.listed, 500);
+        assert_eq!((size.budget, size.rows), (MIN_STEP_BUDGET, 50));
+        size.note_listed(1000, Duration::from_millis(1)); // The list's end: no reason to take more.
+        assert_eq!(size.listed, 1 << 16);
+        size.note_listed(1 << 16, Duration::from_millis(1));
+        assert_eq!(size.listed, 1 << 17);
+        size.note_listed(1000, Duration::from_secs(1));
+        assert_eq!(size.listed, 500);
     }
 }
