@@ -16,6 +16,7 @@ mod primitive;
 mod quantise;
 mod sah;
 mod slots;
+mod split;
 pub mod stats;
 mod subdivide;
 pub mod traverse;
