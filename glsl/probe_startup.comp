@@ -1,4 +1,4 @@
-// Start-up probe: what pictures rest on and drivers have got wrong. The host judges the answers (src/selftest/startup.rs).
+// Start-up probe: what pictures rest on and drivers have got wrong. The host judges the answers (src/render/startup.rs).
 //
 // In: two texels an invocation, [a, b, c, angle] and [exponent, ...]. Out: three texels an invocation:
 //   [NaN flags, loop state, a * b + c, denormal]

@@ -4,6 +4,7 @@
 //! it first.
 
 pub use crate::bvh::{Builder, Intersector};
+use crate::named::named;
 use crate::scene::{Filter, Scene};
 use crate::{Error, Result};
 
@@ -135,17 +136,16 @@ pub(crate) fn in_range(name: &str, value: u32, least: u32, most: u32) -> Result<
     }
 }
 
-/// Random-number scheme.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Sampler {
-    /// Shuffled, Owen-scrambled Sobol' points in padded pairs of dimensions.
-    #[default]
-    Sobol,
-    /// Independent numbers by a hash.
-    Independent,
-    /// Numbers made by the host and read from a table, as in the thesis; the table wraps around.
-    Table,
+named! {
+    /// Random-number scheme.
+    pub enum Sampler = Sobol {
+        /// Shuffled, Owen-scrambled Sobol' points in padded pairs of dimensions.
+        Sobol = "sobol",
+        /// Independent numbers by a hash.
+        Independent = "independent",
+        /// Numbers made by the host and read from a table, as in the thesis; the table wraps around.
+        Table = "table",
+    }
 }
 
 impl Sampler {
@@ -159,43 +159,40 @@ impl Sampler {
     }
 }
 
-/// What finds hits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum AccelKind {
-    /// Compressed 8-wide tree.
-    #[default]
-    Wide,
-    /// Binary tree.
-    Binary,
-    /// No tree.
-    Brute,
+named! {
+    /// What finds hits.
+    pub enum AccelKind = Wide {
+        /// Compressed 8-wide tree.
+        Wide = "wide",
+        /// Binary tree.
+        Binary = "binary",
+        /// No tree.
+        Brute = "brute",
+    }
 }
 
-/// How light is gathered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Lights {
-    /// Next-event estimation and BSDF sampling, combined by the power heuristic.
-    #[default]
-    Mis,
-    /// Next-event estimation only.
-    Area,
-    /// BSDF sampling only.
-    Bsdf,
+named! {
+    /// How light is gathered.
+    pub enum Lights = Mis {
+        /// Next-event estimation and BSDF sampling, combined by the power heuristic.
+        Mis = "mis",
+        /// Next-event estimation only.
+        Area = "area",
+        /// BSDF sampling only.
+        Bsdf = "bsdf",
+    }
 }
 
-/// How a light is chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LightPick {
-    /// In proportion to emitted power, with a floor so that no light starves.
-    #[default]
-    Power,
-    /// In proportion to area, as in the thesis.
-    Area,
-    /// By what each may contribute to the point that is lit: a descent of a tree over the lights.
-    Tree,
+named! {
+    /// How a light is chosen.
+    pub enum LightPick = Power {
+        /// In proportion to emitted power, with a floor so that no light starves.
+        Power = "power",
+        /// In proportion to area, as in the thesis.
+        Area = "area",
+        /// By what each may contribute to the point that is lit: a descent of a tree over the lights.
+        Tree = "tree",
+    }
 }
 
 /// From as many emissive triangles on, a light is chosen by the light tree; measured in docs/performance.md.
@@ -208,15 +205,14 @@ impl LightPick {
     }
 }
 
-/// How diffuse directions are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Hemisphere {
-    /// In proportion to the cosine.
-    #[default]
-    Cosine,
-    /// Uniformly.
-    Uniform,
+named! {
+    /// How diffuse directions are drawn.
+    pub enum Hemisphere = Cosine {
+        /// In proportion to the cosine.
+        Cosine = "cosine",
+        /// Uniformly.
+        Uniform = "uniform",
+    }
 }
 
 /// Russian roulette.
@@ -231,22 +227,21 @@ pub enum Roulette {
     Fixed(f32),
 }
 
-/// How a kernel reads records and path states.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Buffers {
-    /// Uniform texel buffers.
-    #[default]
-    Texel,
-    /// Storage buffers.
-    Storage,
+named! {
+    /// How a kernel reads records and path states.
+    pub enum Buffers = Texel {
+        /// Uniform texel buffers.
+        Texel = "texel",
+        /// Storage buffers.
+        Storage = "storage",
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::selftest::bench::plain_settings;
-    use crate::selftest::calls::nothing;
+    use crate::selftest::kit::probe_calls::nothing;
+    use crate::selftest::kit::test_bench::plain_settings;
 
     fn settings() -> Settings {
         plain_settings(&nothing(), 32, 24, 16)

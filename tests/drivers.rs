@@ -13,8 +13,8 @@ use std::process::Command;
 use harness::device::{load, render};
 use harness::statistics::{Moments, welch_test};
 use texray::scene::Filter;
-use texray::selftest::statistics::{FAMILY_ALPHA, sidak};
 use texray::settings::Settings;
+use texray::statistics::{FAMILY_ALPHA, sidak};
 
 const SCENES: [&str; 3] = ["cornell-box", "cornell-mirror", "cornell-glass"];
 const SIZE: [usize; 2] = [32, 24];

@@ -5,12 +5,13 @@
 mod harness;
 
 use glam::DVec3;
-use harness::device::{assert_same, bits, load, render, render_tuned};
+use harness::device::{Silent, assert_same, assert_valid, bits, context, load, render, render_tuned};
 use harness::meshes;
 use harness::scenes::{SceneBuilder, camera, lambert};
 use texray::bvh::Builder;
+use texray::gpu::Direction;
 use texray::interface::NO_INDEX;
-use texray::render::{Settings, Tuning, build_accel};
+use texray::render::{Renderer, Settings, StopReason, Tuning, build_accel};
 use texray::scene::Camera;
 use texray::settings::{AccelKind, Buffers, Roulette, Sampler};
 
@@ -238,4 +239,70 @@ fn deep_trees_do_not_show() {
         }
     }
     assert!(depths[0] > 24 && depths[1] > 32, "the trees are too shallow to show anything: {depths:?}");
+}
+
+/// Somebody else than `render` may drive the frame loop, and look at the film after each run.
+#[test]
+fn a_render_by_steps_is_the_same() {
+    let (scene, settings) = small("cornell-glass", [33, 25], 35);
+    let tuning = Tuning { run_samples: Some(5), ..Tuning::default() };
+    let whole = render_tuned(&scene, &settings, &tuning);
+    let mut renderer = Renderer::new(context(), &scene, &settings, &tuning).expect("a renderer");
+    let mut seen = Vec::new();
+    let reason = loop {
+        let ended = renderer.step(&mut Silent).expect("a step");
+        let counts = renderer.film().sample_counts();
+        assert!(counts.iter().all(|&count| count == u64::from(renderer.report().spp)), "a film between two runs");
+        seen.push(renderer.report().spp);
+        if let Some(reason) = ended {
+            break reason;
+        }
+    };
+    // Runs of five, cut at the ends of blocks.
+    assert_eq!((reason, seen.as_slice()), (StopReason::Spp, &[5, 10, 15, 16, 21, 26, 31, 32, 35][..]));
+    assert_eq!(renderer.step(&mut Silent).expect("no step"), Some(StopReason::Spp));
+    let stepped = renderer.finish();
+    assert_same(&bits(&whole), &bits(&stepped), "by steps");
+    let figures = |rendered: &texray::render::Rendered| {
+        let report = &rendered.report;
+        (report.spp, report.stop_reason, report.rays, report.paths, report.error, report.bytes.uploaded)
+    };
+    assert_eq!(figures(&whole), figures(&stepped));
+    assert_valid(context());
+}
+
+/// Another camera begins another picture: that of a renderer made for it, with nothing but the camera copied to the
+/// device, in one tile and in several, and wherever the picture before was left.
+#[test]
+fn another_camera_needs_no_other_upload() {
+    let (scene, settings) = small("cornell-glass", [33, 25], 20);
+    let mut moved = scene.clone();
+    moved.camera.origin += DVec3::new(0.05, 0.1, 0.0);
+    moved.camera.vfov *= 1.1;
+    for (buffers, tile) in [(Buffers::Texel, None), (Buffers::Storage, Some([17, 9]))] {
+        let settings = Settings { buffers, ..settings.clone() };
+        let tuning = Tuning { tile, run_samples: Some(3), ..Tuning::default() };
+        let fresh = render_tuned(&moved, &settings, &tuning);
+        for steps in [0, 2, 100] {
+            let mut renderer = Renderer::new(context(), &scene, &settings, &tuning).expect("a renderer");
+            for _ in 0..steps {
+                renderer.step(&mut Silent).expect("a step");
+            }
+            renderer.set_camera(&moved.camera).expect("another camera");
+            assert_eq!((renderer.report().spp, renderer.report().paths), (0, 0));
+            let other = renderer.render(&mut Silent).expect("the render ends");
+            assert_same(&bits(&fresh), &bits(&other), &format!("{buffers:?}, {steps} steps before"));
+            assert_eq!((fresh.report.rays, fresh.report.error), (other.report.rays, other.report.error));
+            let up = |rendered: &texray::render::Rendered| {
+                let entries = rendered.ledger.entries().into_iter();
+                entries
+                    .filter(|entry| entry.direction == Direction::Up && entry.buffer != "open sums")
+                    .map(|entry| (entry.buffer, entry.bytes))
+                    .collect::<Vec<_>>()
+            };
+            assert_eq!(up(&other), [("camera".to_owned(), 64)]);
+            assert!(up(&fresh).len() > 5, "a fresh renderer copies every record");
+        }
+    }
+    assert_valid(context());
 }

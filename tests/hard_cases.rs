@@ -6,18 +6,19 @@
 mod harness;
 
 use harness::device::{assert_valid, context};
-use texray::selftest::{Bench, GROUPS, Outcome, Tier, form_factors, run_case};
+use texray::selftest::kit::form_factors;
+use texray::selftest::{CaseOutcome, GROUPS, TestBench, Tier, run_case};
 
 /// Runs a group and fails with all that went wrong in it.
 fn group(letter: char, tier: Tier) {
     let group = GROUPS.iter().find(|group| group.letter == letter).expect("the catalogue has this group");
-    let bench = Bench::new(context(), tier);
+    let bench = TestBench::new(context(), tier);
     let mut wrong = Vec::new();
     for case in group.cases {
         let report = run_case(&bench, case);
         println!("{} {} ({:.1} s)", case.number, case.title, report.seconds);
         match &report.outcome {
-            Outcome::Ran(findings) => {
+            CaseOutcome::Ran(findings) => {
                 for finding in findings {
                     println!(
                         "    {} {}: expected {}, got {}; {}",
@@ -85,7 +86,7 @@ groups! {
 #[test]
 #[ignore = "two minutes"]
 fn form_factors_to_a_ten_thousandth() {
-    let bench = Bench::new(context(), Tier::Full);
+    let bench = TestBench::new(context(), Tier::Full);
     let all = [form_factors::near(), form_factors::far(), form_factors::oblique(), form_factors::touching()];
     let mut wrong = Vec::new();
     for lit in all.into_iter().flatten() {

@@ -2,7 +2,7 @@
 //!
 //! Comes in: rooms with lights of many powers that face any way. Every estimator has one expectation, judged by z at 1e-6 for a
 //! family of a thousand such verdicts (|z| <= 6.11), with standard errors from replicates; seeds are fixed. Equal pictures are
-//! compared bit by bit. How words are shared out and drawn is hard case 43 (`src/selftest/light_trees.rs`).
+//! compared bit by bit. How words are shared out and drawn is hard case 43 (`src/selftest/cases/light_trees.rs`).
 
 mod harness;
 
@@ -12,8 +12,8 @@ use harness::scenes::{SceneBuilder, camera, lambert};
 use harness::statistics::{critical_z, z_test};
 use texray::render::Tuning;
 use texray::scene::Scene;
-use texray::selftest::scattering::{Measured, measure};
-use texray::selftest::{Bench, Tier};
+use texray::selftest::kit::scattering::{Measured, measure};
+use texray::selftest::{TestBench, Tier};
 use texray::settings::{Buffers, LightPick, Lights, Sampler, Settings};
 
 /// More verdicts than this file gives.
@@ -42,7 +42,8 @@ fn of(scene: &Scene, lights: Lights, light_pick: LightPick, seed: u64, spp: u32)
     let base = plain_settings(scene, 32, 32, spp);
     let sampler = Sampler::Sobol;
     let settings = Settings { lights, light_pick, seed, sampler, max_bounces: 3, replicates: Some(4), ..base };
-    let measured = measure(&Bench::new(context(), Tier::Full), scene, &settings).expect("the scene can be rendered");
+    let measured =
+        measure(&TestBench::new(context(), Tier::Full), scene, &settings).expect("the scene can be rendered");
     assert_eq!(measured.invalid, 0, "{lights:?} {light_pick:?}: samples were left out");
     measured
 }

@@ -7,7 +7,8 @@ use std::ops::RangeInclusive;
 use harness::device::context;
 use texray::gpu::shaders;
 use texray::render::Guard;
-use texray::selftest::{Bench, Outcome, Tier, case, run_case, streams};
+use texray::selftest::kit::streams;
+use texray::selftest::{CaseOutcome, TestBench, Tier, case, run_case};
 
 /// Guards that have to be missed by a second case too.
 const MORE: [(Guard, u8); 5] = [
@@ -20,12 +21,12 @@ const MORE: [(Guard, u8); 5] = [
 
 /// Fails for each guard of these cases whose case does not notice that it is out.
 fn assert_all_bite(cases: RangeInclusive<u8>) {
-    let bench = Bench::new(context(), Tier::Fast);
+    let bench = TestBench::new(context(), Tier::Fast);
     let mut silent = Vec::new();
     let pairs = Guard::ALL.iter().map(|&guard| (guard, guard.case())).chain(MORE);
     for (guard, number) in pairs.filter(|(_, number)| cases.contains(number)) {
         let report = run_case(&bench.without(guard), case(number).expect("the catalogue has this case"));
-        let Outcome::Ran(findings) = &report.outcome else {
+        let CaseOutcome::Ran(findings) = &report.outcome else {
             // An error or a test elsewhere shows nothing about the guard.
             silent.push(format!("{guard:?}: case {number} did not run: {:?}", report.outcome));
             continue;
@@ -75,7 +76,7 @@ fn guards_of_whole_scenes() {
 /// driver that does not is none the worse.
 #[test]
 fn sums_need_precise() {
-    let bench = Bench::new(context(), Tier::Fast);
+    let bench = TestBench::new(context(), Tier::Fast);
     let dispatches = 16;
     let expected = streams::sum(0, dispatches * streams::STEPS);
     let sum = |module| streams::compensated(&bench, module, dispatches).expect("the probe runs")[0];

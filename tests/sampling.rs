@@ -10,10 +10,10 @@ use harness::Assert;
 use harness::draws::{REPLICATES, UNIT_FLOAT, call, correlation, nothing, pairs, uniform_square, unit};
 use harness::random::Random;
 use harness::statistics::{FAMILY_ALPHA, Moments, chi_square_test, sidak, z_test};
-use texray::distributions::chi_square_upper;
 use texray::interface::RANDOM_TABLE_TEXELS;
 use texray::scene::Filter;
 use texray::settings::Sampler;
+use texray::statistics::distributions::chi_square_upper;
 use texray::texels::Texel;
 use texray::texels::random::random_table_texels;
 

@@ -11,7 +11,8 @@ mod harness;
 use std::sync::Arc;
 use std::time::Duration;
 
-use harness::device::{Silent, assert_valid, context, load};
+use harness::device::{Silent, assert_valid, context, load, plain_settings};
+use harness::draws::nothing;
 use texray::Error;
 use texray::film::Film;
 use texray::gpu::{
@@ -20,9 +21,10 @@ use texray::gpu::{
 };
 use texray::interface::*;
 use texray::render::bounce_cap::cap_bias;
-use texray::render::pass::{Pass, Slice};
+use texray::render::pass::Pass;
+use texray::render::slice::Slice;
 use texray::render::tiles::Tile;
-use texray::render::{Effects, Renderer, Roulette, Settings, StopRules, Target, Tuning};
+use texray::render::{Effects, Renderer, Roulette, Settings, StopRules, Target, Tuning, startup};
 
 fn fresh() -> Context {
     Context::new(&ContextOptions { validation: true, ..ContextOptions::default() }).expect("a device and the layer")
@@ -188,6 +190,27 @@ fn a_chunk_whose_wait_failed_is_never_written_again() {
     assert!(uploader.finish().is_err());
     long.wait().expect("the fills end");
     drop(uploader);
+    assert_valid(&context);
+}
+
+#[test]
+fn a_device_is_asked_once_by_whoever_renders_first() {
+    let context = fresh();
+    let scene = nothing();
+    let settings = Settings { allow_black: true, ..plain_settings(&scene, 4, 4, 1) };
+    let limit = Some(Duration::from_secs(300));
+    context.limit_waits(limit);
+    let make = || Renderer::new(&context, &scene, &settings, &Tuning::default()).expect("a renderer");
+    let copied_down = |make: &dyn Fn()| {
+        let before = context.copied_bytes().1;
+        make();
+        context.copied_bytes().1 - before
+    };
+    assert!(copied_down(&|| drop(make())) > 0, "the first renderer asks, and the answers come back");
+    assert_eq!(copied_down(&|| drop(make())), 0, "the second one knows");
+    let (first, second) = (startup::probe(&context).expect("known"), startup::probe(&context).expect("known"));
+    assert!(Arc::ptr_eq(&first, &second) && first.iter().all(|finding| finding.passes), "{first:?}");
+    assert_eq!(context.limit_waits(None), limit, "the caller's bound on waits is in place again");
     assert_valid(&context);
 }
 

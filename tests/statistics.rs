@@ -13,7 +13,7 @@ use harness::statistics::{
     Moments, chi_square_test, critical_z, fit_line, sidak, t_test, uniform_test, welch_test, z_test,
 };
 use harness::tracer::Estimate;
-use texray::distributions::{
+use texray::statistics::distributions::{
     beta_lower, chi_square_upper, gamma_upper, kolmogorov_upper, ln_gamma, normal_critical, normal_two_sided,
     student_critical, student_two_sided,
 };

@@ -253,7 +253,7 @@ fn refusals() {
     let _turn = turn();
     let folder = folder(LAMP);
     for (arguments, message) in [
-        (&["room.toml", "--target-error", "0"][..], "use a relative error above 0"),
+        (&["room.toml", "--target-error", "0"][..], "use a ratio above 0"),
         (&["room.toml", "--confidence", "90%"], "--target-error"),
         (&["room.toml", "--target-error", "1%", "--confidence", "1"], "use a probability from 50 %"),
         (&["room.toml", "--time-limit", "soon"], "use a time above 0"),

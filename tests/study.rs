@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 
 use harness::device::{assert_valid, context};
 use serde_json::Value;
-use texray::study::{self, Amount, Ended, Kind, Origin, Plan, Rows, Watch, child::Child, page};
+use texray::study::{self, Amount, Ended, Kind, Origin, Plan, Rows, Watch, page, subprocess::Subprocess};
 
 const REPEATS: usize = 3;
 
@@ -170,22 +170,22 @@ impl Watch for Patience {
     }
 }
 
-fn least(kind: Kind, out: &Path, patience: usize) -> (Ended, Rows) {
+fn least(kind: &Kind, out: &Path, patience: usize) -> (Ended, Rows) {
     let plan = Plan {
         scenes: if kind.takes_scenes() { vec![scene()] } else { Vec::new() },
         amount: Amount::Least,
         folder: out.into(),
-        child: Child { program: env!("CARGO_BIN_EXE_texray").into(), device: None },
+        subprocess: Subprocess { program: env!("CARGO_BIN_EXE_texray").into(), device: None },
         peers: None,
     };
     let origin = Origin {
-        study: kind.name().into(),
+        study: kind.name.into(),
         version: "test".into(),
         kernel: "test".into(),
         device: context().device_info().name.clone(),
         driver: context().device_info().driver.clone(),
         cores: 1,
-        command: format!("texray study {}", kind.name()),
+        command: format!("texray study {}", kind.name),
     };
     let mut rows = Rows::open(out, origin, None).expect("the folder can be written");
     let mut patience = Patience { left: patience };
@@ -202,7 +202,8 @@ fn studies_measure_every_case_and_are_reported() {
     let out = folder.path();
     let mut last = None;
     // Those with few kernels: drivers take half a second to compile one.
-    for (kind, measurements) in [(Kind::Spp, 6), (Kind::Bounces, 21), (Kind::Transfer, 0)] {
+    for (kind, measurements) in [("spp", 6), ("bounces", 21), ("transfer", 0)] {
+        let kind = study::named(kind).expect("a study of this name");
         let (ended, rows) = least(kind, out, 5);
         assert_eq!((ended, rows.all().len()), (Ended::Stopped, 5), "{kind:?}");
         let kept = rows.all().to_vec();
@@ -212,9 +213,9 @@ fn studies_measure_every_case_and_are_reported() {
         for row in rows.all() {
             assert!(row.values.values().all(|value| value.is_finite()), "{row:?}");
         }
-        let account = kind.account(&rows, out);
-        assert!(!account.findings.is_empty() && !account.tables().is_empty(), "{kind:?}");
-        assert!(account.lines().iter().all(|line| line.chars().count() <= 80), "{:#?}", account.lines());
+        let summary = (kind.summary)(&rows, out);
+        assert!(!summary.findings.is_empty() && !summary.tables().is_empty(), "{kind:?}");
+        assert!(summary.lines().iter().all(|line| line.chars().count() <= 80), "{:#?}", summary.lines());
         last = Some(rows);
     }
     assert_valid(context());

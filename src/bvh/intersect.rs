@@ -22,6 +22,7 @@
 //! `key / (1 - 2^-16) < key (1 + 2^-15)`, the bound by which boxes are culled: none is left out that holds a hit with
 //! the smallest key or one equal to it, and equal keys go to the smaller id.
 
+use crate::named::named;
 use glam::Vec3;
 
 use crate::interface::NO_INDEX;
@@ -39,15 +40,14 @@ const EMITTER_KEY: f32 = 1.0 - 1.0 / 65_536.0;
 /// Key of having hit nothing: 2^100, beyond any hit of a ray with a direction of length 2^-40 or more.
 pub const NO_HIT_KEY: f32 = 1.267_650_6e30;
 
-/// Which triangle test decides.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Intersector {
-    /// Watertight test of Woop, Benthin and Wald (JCGT 2013).
-    #[default]
-    Watertight,
-    /// Test of Möller and Trumbore (1997): leaks at edges, kept for comparison.
-    MollerTrumbore,
+named! {
+    /// Which triangle test decides.
+    pub enum Intersector = Watertight {
+        /// Watertight test of Woop, Benthin and Wald (JCGT 2013).
+        Watertight = "watertight",
+        /// Test of Möller and Trumbore (1997): leaks at edges, kept for comparison.
+        MollerTrumbore = "moller-trumbore",
+    }
 }
 
 /// A ray: origin, direction (of any length), and the triangle it must not hit.

@@ -6,7 +6,7 @@
 //! order in which the primitives came.
 
 use super::primitive::{Bounds, Primitive};
-use super::subdivide::{Advice, Parts, Split};
+use super::split::{Advice, Parts, Split};
 
 /// Cuts every range at its median.
 pub(super) struct Median;

@@ -3,6 +3,8 @@
 //! Comes in: the triangles of a scene. Goes out: an [`Accel`], a binary or wide tree with the order in which its leaves
 //! list the triangles, or no tree at all. Trees are built on the CPU, in parallel where it pays.
 
+use crate::named::named;
+
 pub mod aabb;
 mod accel;
 mod binary;
@@ -14,6 +16,7 @@ mod primitive;
 mod quantise;
 mod sah;
 mod slots;
+mod split;
 pub mod stats;
 mod subdivide;
 pub mod traverse;
@@ -93,13 +96,12 @@ pub struct WideNode {
     pub high: [[u8; 8]; 3],
 }
 
-/// Which builder makes the binary tree.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Builder {
-    /// Binned surface-area heuristic.
-    #[default]
-    Sah,
-    /// The thesis's: longest axis, median by quick-select, one triangle a leaf.
-    Median,
+named! {
+    /// Which builder makes the binary tree.
+    pub enum Builder = Sah {
+        /// Binned surface-area heuristic.
+        Sah = "sah",
+        /// The thesis's: longest axis, median by quick-select, one triangle a leaf.
+        Median = "median",
+    }
 }

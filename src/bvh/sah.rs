@@ -8,7 +8,7 @@
 use glam::Vec4;
 
 use super::primitive::{Bounds, Box4, Primitive, fold};
-use super::subdivide::{Advice, Parts, Split};
+use super::split::{Advice, Parts, Split};
 
 /// Bins an axis.
 const BINS: usize = 16;

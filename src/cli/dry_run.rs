@@ -8,7 +8,7 @@ use texray::film::Film;
 use texray::render::stop::{DEFAULT_CONFIDENCE, Looks};
 use texray::render::{Effect, RenderReport, Settings, Target};
 
-use super::engine::Rendered;
+use super::engine::FinishedRender;
 use super::explain;
 use super::progress::{duration, percent};
 use super::streams::{answer, answer_json};
@@ -65,7 +65,12 @@ struct Bytes {
 
 impl<'a> DryRun<'a> {
     /// From a pilot of the render that `settings` ask for; `effects` are all of them, on or off.
-    pub fn new(settings: &Settings, target: Option<Target>, pilot: &Rendered, effects: Vec<&'a Effect>) -> DryRun<'a> {
+    pub fn new(
+        settings: &Settings,
+        target: Option<Target>,
+        pilot: &FinishedRender,
+        effects: Vec<&'a Effect>,
+    ) -> DryRun<'a> {
         let report = &pilot.report;
         let film = &pilot.film;
         DryRun {

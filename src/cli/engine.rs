@@ -10,9 +10,12 @@ use serde::Serialize;
 use texray::film::Film;
 use texray::gpu::{self, Context, ContextOptions, DeviceChoice, DeviceInfo};
 use texray::render::bounce_cap::cap_bias;
+use texray::render::startup;
 use texray::render::{CapBias, Effects, Observer, RenderReport, Renderer, Settings, StopRules, Tuning};
 use texray::scene::Scene;
-use texray::selftest::{self, Bench, Case, CaseReport, Finding, Tier, startup};
+use texray::selftest;
+use texray::selftest::{Case, CaseReport, TestBench, Tier};
+use texray::statistics::Finding;
 use texray::study::{self, Ended, Kind, Plan, Rows, Watch};
 use texray::{Error, Result};
 
@@ -64,7 +67,7 @@ impl DeviceLine {
             let device = DeviceChoice::Index(self.index);
             let context = Context::new(&ContextOptions { device, validation: false });
             match context.and_then(|context| startup::probe(&context)) {
-                Ok(findings) => self.startup = Some(findings),
+                Ok(findings) => self.startup = Some(findings.to_vec()),
                 Err(error) => self.startup_error = Some(error.to_string()),
             }
         }
@@ -72,7 +75,7 @@ impl DeviceLine {
 }
 
 /// A finished render.
-pub struct Rendered {
+pub struct FinishedRender {
     /// What was accumulated.
     pub film: Film,
     /// Figures.
@@ -124,7 +127,7 @@ impl Engine {
 
     /// Runs one hard case.
     pub fn run_case(&self, tier: Tier, case: &'static Case) -> CaseReport {
-        selftest::run_case(&Bench::new(&self.context, tier), case)
+        selftest::run_case(&TestBench::new(&self.context, tier), case)
     }
 
     /// A hash of the path tracer's kernel, the same from run to run.
@@ -135,7 +138,7 @@ impl Engine {
     }
 
     /// Measures what the rows lack, on a device that passes the start-up probe.
-    pub fn study(&self, kind: Kind, plan: &Plan, rows: &mut Rows, watch: &mut dyn Watch) -> Result<Ended> {
+    pub fn study(&self, kind: &Kind, plan: &Plan, rows: &mut Rows, watch: &mut dyn Watch) -> Result<Ended> {
         startup::check(&self.context)?;
         let mut study = kind.open(&self.context, plan, watch)?;
         study::run(study.as_mut(), rows, watch)
@@ -157,18 +160,17 @@ impl Engine {
         cap_bias(&self.context, scene, settings, ends, observer)
     }
 
-    /// Renders until a rule ends it, on a device that passes the start-up probe.
+    /// Renders until a rule ends it.
     pub fn render(
         &self,
         scene: &Scene,
         settings: &Settings,
         rules: StopRules,
         observer: &mut dyn Observer,
-    ) -> Result<Rendered> {
-        startup::check(&self.context)?;
+    ) -> Result<FinishedRender> {
         let renderer = Renderer::new(&self.context, scene, settings, &Tuning::default())?;
         let rendered = renderer.stop_by(rules).render(observer)?;
-        Ok(Rendered {
+        Ok(FinishedRender {
             film: rendered.film,
             report: rendered.report,
             ledger: to_json(&rendered.ledger)?,

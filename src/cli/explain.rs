@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 use texray::Result;
+use texray::named::Named;
 use texray::render::{Effect, LightPick};
 use texray::scene::{Filter, Scene};
 
 use super::engine;
-use super::settings::{EffectsChoice, SettingsArgs, name};
-use super::{Outcome, streams};
+use super::settings::{EffectsChoice, SettingsArgs};
+use super::{Outcome, choices, streams};
 
 /// Print the effects that a scene calls for, each with the reason
 #[derive(Args)]
@@ -19,7 +20,7 @@ pub struct ExplainArgs {
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
     /// Pixel filter [default: the scene's, else blackman-harris]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choices::of::<Filter>())]
     filter: Option<Filter>,
     /// Effects compiled into the kernel
     #[arg(long, value_enum, default_value_t)]
@@ -67,7 +68,7 @@ impl ExplainArgs {
             return Ok(Outcome::Done);
         }
         let mut lines = table(&effects);
-        lines.push(format!("light pick: {}, for {emissive_triangles} emissive triangles", name(&light_pick)));
+        lines.push(format!("light pick: {}, for {emissive_triangles} emissive triangles", light_pick.name()));
         streams::answer(&lines.join("\n"))?;
         Ok(Outcome::Done)
     }

@@ -4,6 +4,7 @@
 //! One file a subcommand.
 
 mod bias;
+mod choices;
 mod compare;
 mod devices;
 mod document;

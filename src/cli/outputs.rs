@@ -19,7 +19,7 @@ use texray::scene::Scene;
 use texray::{Error, Result};
 
 use super::streams::json;
-use super::{parse, save};
+use super::{choices, parse, save};
 
 /// Which files are written.
 #[derive(Args)]
@@ -29,7 +29,7 @@ pub struct OutputArgs {
     #[arg(short, long, value_name = "FILE", action = ArgAction::Append)]
     output: Vec<PathBuf>,
     /// Further layers of EXR files, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_parser = choices::of::<Aov>(), value_delimiter = ',')]
     aov: Vec<Aov>,
     /// Also write the standard error of each pixel as a picture of colours, .png (its text says what they mean)
     #[arg(long, value_name = "FILE", value_parser = parse::png)]
@@ -49,7 +49,8 @@ pub struct OutputArgs {
     #[arg(help_heading = "8-bit pictures")]
     exposure: f64,
     /// Tone map of 8-bit pictures
-    #[arg(long, value_enum, default_value_t, help_heading = "8-bit pictures")]
+    #[arg(long, value_parser = choices::of::<Tonemap>(), default_value = choices::default::<Tonemap>())]
+    #[arg(help_heading = "8-bit pictures")]
     tonemap: Tonemap,
 }
 

@@ -12,7 +12,7 @@ use texray::{Error, Result};
 use super::bias::Bias;
 use super::document::{Document, Facts};
 use super::dry_run::{DryRun, PILOT_SECONDS, PILOT_SPP};
-use super::engine::{self, Engine, Rendered};
+use super::engine::{self, Engine, FinishedRender};
 use super::outputs::{Ending, OutputArgs, Outputs, Saved};
 use super::progress::Reporter;
 use super::settings::SettingsArgs;
@@ -106,7 +106,13 @@ impl RenderArgs {
     }
 
     /// The first few samples of a render, for a dry run.
-    fn pilot(&self, engine: &Engine, scene: &Scene, settings: &Settings, reporter: &mut Reporter) -> Result<Rendered> {
+    fn pilot(
+        &self,
+        engine: &Engine,
+        scene: &Scene,
+        settings: &Settings,
+        reporter: &mut Reporter,
+    ) -> Result<FinishedRender> {
         let end = Instant::now() + Duration::from_secs_f64(PILOT_SECONDS);
         let time = Some(TimeRule { aim: end, latest: end });
         let settings = Settings { spp: settings.spp.min(PILOT_SPP), ..settings.clone() };
@@ -114,7 +120,7 @@ impl RenderArgs {
     }
 
     /// What the bounce cap cuts off, where it was asked for or costs little, and nobody waits for the end.
-    fn bias(&self, of: &Ended<'_>, limits: &Limits, rendered: &Rendered, signals: &Signals) -> Bias {
+    fn bias(&self, of: &Ended<'_>, limits: &Limits, rendered: &FinishedRender, signals: &Signals) -> Bias {
         let (report, asked) = (&rendered.report, self.stop.max_bias.is_some());
         let unasked = self.stop.time_limit.is_none() && is_cheap(of.scene, of.settings, report.spp);
         if report.spp == 0 || signals.received().is_some() || !(asked || unasked) {
@@ -148,7 +154,7 @@ impl RenderArgs {
         }
     }
 
-    fn tell_after(&self, of: &Ended<'_>, rendered: &mut Rendered, bias: &Bias, saved: &Saved) -> Result<()> {
+    fn tell_after(&self, of: &Ended<'_>, rendered: &mut FinishedRender, bias: &Bias, saved: &Saved) -> Result<()> {
         rendered.report.seconds.total = of.started.elapsed().as_secs_f64();
         let facts = Facts {
             scene: of.scene,
@@ -180,7 +186,7 @@ impl RenderArgs {
     }
 
     /// How it ended; what is worse goes before what is less bad.
-    fn outcome(&self, signals: &Signals, rendered: &Rendered, bias: &Bias, saved: &Saved) -> Result<Outcome> {
+    fn outcome(&self, signals: &Signals, rendered: &FinishedRender, bias: &Bias, saved: &Saved) -> Result<Outcome> {
         let validation = &rendered.validation;
         if !validation.is_empty() {
             validation.iter().for_each(|message| say(&format!("validation: {message}")));
@@ -209,7 +215,7 @@ struct Ended<'a> {
 
 impl Ended<'_> {
     /// Writes the files. Stopped before the first sample, there is no picture to save.
-    fn save(&self, outputs: &Outputs<'_>, rendered: &mut Rendered) -> Result<Saved> {
+    fn save(&self, outputs: &Outputs<'_>, rendered: &mut FinishedRender) -> Result<Saved> {
         let writing = Instant::now();
         let report = &rendered.report;
         let cut_short = matches!(report.stop_reason, StopReason::TimeLimit | StopReason::Interrupted);
@@ -222,7 +228,7 @@ impl Ended<'_> {
     }
 
     /// Writes the pictures once more where they can say what the bounce cap cuts off.
-    fn save_bias(&self, bias: &Bias, rendered: &Rendered, saved: &mut Saved) {
+    fn save_bias(&self, bias: &Bias, rendered: &FinishedRender, saved: &mut Saved) {
         if let Some(known) = bias.known() {
             let device = self.engine.device();
             saved.rewrite(&save::metadata(self.scene, self.settings, device, &rendered.report, Some(known)));

@@ -4,13 +4,14 @@
 
 use std::path::Path;
 
+use texray::named::Named;
 use texray::output::{Metadata, target_of};
 use texray::render::{CapBias, RenderReport, Settings};
 use texray::scene::Scene;
 use texray::{Error, Result, quote};
 
 use super::engine::DeviceLine;
-use super::settings::{name, roulette_name};
+use super::settings::roulette_name;
 
 /// Refuses two outputs with one name, and an output that is one of the files the scene is made of.
 pub fn check_distinct(scene: &[&Path], outputs: &[&Path]) -> Result<()> {
@@ -68,20 +69,20 @@ pub fn metadata(
         .subject("region", format!("{x},{y},{width},{height}"))
         .subject("max_bounces", settings.max_bounces)
         .subject("seed", settings.seed)
-        .subject("filter", name(&settings.filter))
-        .subject("sampler", name(&settings.sampler))
-        .subject("intersector", name(&settings.intersector))
-        .subject("lights", name(&settings.lights))
-        .subject("light_pick", name(&settings.light_pick))
-        .subject("hemisphere", name(&settings.hemisphere))
+        .subject("filter", settings.filter.name())
+        .subject("sampler", settings.sampler.name())
+        .subject("intersector", settings.intersector.name())
+        .subject("lights", settings.lights.name())
+        .subject("light_pick", settings.light_pick.name())
+        .subject("hemisphere", settings.hemisphere.name())
         .subject("roulette", roulette_name(settings.roulette))
         .fixed("version", env!("CARGO_PKG_VERSION"))
         .fixed("scene", &scene.name)
         .fixed("triangles", scene.triangles.len())
         .fixed("spp", report.spp)
-        .fixed("accel", name(&settings.accel))
-        .fixed("builder", name(&settings.builder))
-        .fixed("buffers", name(&report.buffers))
+        .fixed("accel", settings.accel.name())
+        .fixed("builder", settings.builder.name())
+        .fixed("buffers", report.buffers.name())
         .fixed("effects", report.effects.join(" "))
         .fixed("device", &device.name)
         .fixed("driver", &device.driver)

@@ -7,7 +7,8 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 use texray::Result;
-use texray::selftest::{CaseReport, Finding, GROUPS, Group, Outcome as Found, Tier};
+use texray::selftest::{CaseOutcome, CaseReport, GROUPS, Group, Tier};
+use texray::statistics::Finding;
 
 use super::engine::Engine;
 use super::signals::Signals;
@@ -77,13 +78,13 @@ enum Verdict {
 }
 
 impl Verdict {
-    fn of(outcome: &Found) -> Verdict {
+    fn of(outcome: &CaseOutcome) -> Verdict {
         match outcome {
-            Found::Ran(_) if outcome.passes() => Verdict::Pass,
-            Found::Ran(_) => Verdict::Fail,
-            Found::ShownBy(_) => Verdict::ShownByTests,
-            Found::Awaits(_) => Verdict::AwaitsEffect,
-            Found::Failed(_) => Verdict::Error,
+            CaseOutcome::Ran(_) if outcome.passes() => Verdict::Pass,
+            CaseOutcome::Ran(_) => Verdict::Fail,
+            CaseOutcome::ShownBy(_) => Verdict::ShownByTests,
+            CaseOutcome::Awaits(_) => Verdict::AwaitsEffect,
+            CaseOutcome::Failed(_) => Verdict::Error,
         }
     }
 
@@ -179,7 +180,7 @@ fn lines(found: &CaseReport, verbose: bool) -> Vec<String> {
     let mut lines = vec![format!("{:3}  {:5}  {}", case.number, Verdict::of(&found.outcome).word(), case.title)];
     let note = |text: &str| streams::folded(&format!("{:MARGIN$}{text}", ""), MARGIN);
     match &found.outcome {
-        Found::Ran(findings) => {
+        CaseOutcome::Ran(findings) => {
             lines[0] += &format!(" ({}, {:.1} s)", count(findings.len(), "check"), found.seconds);
             let failing = findings.iter().filter(|finding| !finding.passes);
             let shown: Vec<&Finding> = match (verbose, found.outcome.passes()) {
@@ -198,10 +199,10 @@ fn lines(found: &CaseReport, verbose: bool) -> Vec<String> {
                 lines.push(note(&format!("pictures: {}", case.meaning)));
             }
         }
-        Found::ShownBy(program) => lines.push(note(program)),
-        Found::Awaits(effect) => lines.push(note(&format!("awaits {effect}"))),
+        CaseOutcome::ShownBy(program) => lines.push(note(program)),
+        CaseOutcome::Awaits(effect) => lines.push(note(&format!("awaits {effect}"))),
         // It says nothing about pictures.
-        Found::Failed(error) => lines.push(note(error)),
+        CaseOutcome::Failed(error) => lines.push(note(error)),
     }
     lines[0] = streams::folded(&lines[0], MARGIN);
     lines
@@ -262,9 +263,9 @@ fn verdict(report: &[CaseReport], validation: usize, whole: bool) -> String {
 
 fn case_line(found: &CaseReport) -> CaseLine {
     let (findings, note) = match &found.outcome {
-        Found::Ran(findings) => (findings.clone(), None),
-        Found::ShownBy(text) | Found::Awaits(text) => (Vec::new(), Some((*text).to_owned())),
-        Found::Failed(error) => (Vec::new(), Some(error.clone())),
+        CaseOutcome::Ran(findings) => (findings.clone(), None),
+        CaseOutcome::ShownBy(text) | CaseOutcome::Awaits(text) => (Vec::new(), Some((*text).to_owned())),
+        CaseOutcome::Failed(error) => (Vec::new(), Some(error.clone())),
     };
     CaseLine {
         case: found.case.number,
@@ -282,17 +283,17 @@ fn case_line(found: &CaseReport) -> CaseLine {
 mod tests {
     use super::*;
 
-    fn ran(outcomes: Vec<Found>) -> Vec<CaseReport> {
+    fn ran(outcomes: Vec<CaseOutcome>) -> Vec<CaseReport> {
         let cases = GROUPS.iter().flat_map(|group| group.cases);
         cases.zip(outcomes).map(|(case, outcome)| CaseReport { case, outcome, seconds: 0.1 }).collect()
     }
 
     #[test]
     fn one_sentence_says_whether_the_device_can_be_trusted() {
-        let pass = || Found::Ran(vec![Finding::exact("a number", 1, 1)]);
-        let fail = || Found::Ran(vec![Finding::exact("a number", 1, 2)]);
-        let error = || Found::Failed("no memory".into());
-        let tests = || Found::ShownBy("tests/output.rs");
+        let pass = || CaseOutcome::Ran(vec![Finding::exact("a number", 1, 1)]);
+        let fail = || CaseOutcome::Ran(vec![Finding::exact("a number", 1, 2)]);
+        let error = || CaseOutcome::Failed("no memory".into());
+        let tests = || CaseOutcome::ShownBy("tests/output.rs");
         for (outcomes, validation, whole, words) in [
             (vec![pass(), tests(), pass()], 0, true, "can be trusted with pictures"),
             (vec![pass(), fail(), error()], 1, true, "do not trust this device yet: 1 case failed"),

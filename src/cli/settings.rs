@@ -8,7 +8,7 @@ use texray::render::{AccelKind, Buffers, Hemisphere, Intersector, LightPick, Lig
 use texray::scene::{Filter, Scene};
 use texray::{Error, Result};
 
-use super::parse;
+use super::{choices, parse};
 
 /// Which effects are compiled into the kernel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -37,7 +37,7 @@ pub struct SettingsArgs {
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=65535))]
     max_bounces: Option<u32>,
     /// Pixel filter [default: the scene's, else blackman-harris]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choices::of::<Filter>())]
     filter: Option<Filter>,
     /// Render even where nothing can emit light
     #[arg(long)]
@@ -47,32 +47,39 @@ pub struct SettingsArgs {
     #[arg(long, value_name = "N", default_value_t, help_heading = "Method")]
     seed: u64,
     /// Random-number scheme
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choices::of::<Sampler>(), default_value = choices::default::<Sampler>())]
+    #[arg(help_heading = "Method")]
     sampler: Sampler,
     /// What finds the hits of rays
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choices::of::<AccelKind>(), default_value = choices::default::<AccelKind>())]
+    #[arg(help_heading = "Method")]
     accel: AccelKind,
     /// What builds the tree
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choices::of::<Builder>(), default_value = choices::default::<Builder>())]
+    #[arg(help_heading = "Method")]
     builder: Builder,
     /// Test of a ray against a triangle
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choices::of::<Intersector>(), default_value = choices::default::<Intersector>())]
+    #[arg(help_heading = "Method")]
     intersector: Intersector,
     /// How light is gathered
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choices::of::<Lights>(), default_value = choices::default::<Lights>())]
+    #[arg(help_heading = "Method")]
     lights: Lights,
     /// How one of several lights is chosen [default: by power, from 16 emissive triangles on by the tree]
-    #[arg(long, value_enum, help_heading = "Method")]
+    #[arg(long, value_parser = choices::of::<LightPick>(), help_heading = "Method")]
     light_pick: Option<LightPick>,
     /// How diffuse directions are drawn
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choices::of::<Hemisphere>(), default_value = choices::default::<Hemisphere>())]
+    #[arg(help_heading = "Method")]
     hemisphere: Hemisphere,
     /// Russian roulette: by throughput, off, or a fixed probability of survival P, 0.001 to 1
     #[arg(long, value_name = "throughput|off|P", default_value = "throughput", value_parser = parse::roulette)]
     #[arg(help_heading = "Method")]
     roulette: Roulette,
     /// How records and path states are read: from texel buffers or storage buffers
-    #[arg(long, value_enum, default_value_t, help_heading = "Method")]
+    #[arg(long, value_parser = choices::of::<Buffers>(), default_value = choices::default::<Buffers>())]
+    #[arg(help_heading = "Method")]
     buffers: Buffers,
     /// Effects compiled into the kernel
     #[arg(long, value_enum, default_value_t, help_heading = "Method")]
@@ -125,11 +132,6 @@ impl SettingsArgs {
             ..defaults
         })
     }
-}
-
-/// The name of an option's value, as it is typed.
-pub fn name(value: &impl ValueEnum) -> String {
-    value.to_possible_value().map(|value| value.get_name().to_string()).unwrap_or_default()
 }
 
 /// The roulette as it is typed.

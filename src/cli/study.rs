@@ -5,11 +5,14 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
-use texray::study::{Amount, Ended, Kind, Origin, Plan, Row, Rows, Watch, child::Child, page, peers::Peers};
+use texray::study::{
+    Amount, Ended, Kind, Origin, Plan, Row, Rows, Watch, page, peers::Peers, studies, subprocess::Subprocess,
+};
 use texray::{Error, Result};
 
+use super::choices::{self, What};
 use super::engine::Engine;
 use super::progress::duration;
 use super::signals::Signals;
@@ -19,7 +22,7 @@ use super::{Outcome, shell, streams};
 #[derive(Args)]
 pub struct StudyArgs {
     /// What to study
-    #[arg(value_enum)]
+    #[arg(value_parser = choices::study())]
     what: What,
     /// Scenes [default: some of scenes/, by the study; the dragons as far as fetch.sh has brought them]
     #[arg(value_name = "SCENE")]
@@ -40,51 +43,6 @@ pub struct StudyArgs {
     /// Print one JSON document on stdout instead of the summary
     #[arg(long)]
     json: bool,
-}
-
-/// Studies.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum What {
-    /// Pictures, error and time at 1 to 1,500 samples a pixel
-    Spp,
-    /// Brightness, bias and time for 1 to 30 bounces a path
-    Bounces,
-    /// Error against time for samplers, light strategies, hemisphere sampling and roulette
-    Convergence,
-    /// Time for 1 to a million triangles, scattered and clustered, with the default tree, the thesis's and none
-    Triangles,
-    /// What each change from the methods of the 2022 thesis to the defaults buys
-    Thesis,
-    /// What each effect costs in time, instructions and bytes, and the error without it
-    Effects,
-    /// What each numerical guard costs in time, and the error without it
-    Precision,
-    /// Gigabytes a second between host and device, and their share of a render
-    Transfer,
-    /// Paths a second, the error of a sample, start-up; beside other renderers with --peers
-    Speed,
-    /// The Cornell box by the published camera, beside another renderer's picture of the same data
-    Cornell,
-    /// All of them, one after the other
-    All,
-}
-
-impl What {
-    fn kinds(self) -> Vec<Kind> {
-        vec![match self {
-            What::Spp => Kind::Spp,
-            What::Bounces => Kind::Bounces,
-            What::Convergence => Kind::Convergence,
-            What::Triangles => Kind::Triangles,
-            What::Thesis => Kind::Thesis,
-            What::Effects => Kind::Effects,
-            What::Precision => Kind::Precision,
-            What::Transfer => Kind::Transfer,
-            What::Speed => Kind::Speed,
-            What::Cornell => Kind::Cornell,
-            What::All => return Kind::ALL.to_vec(),
-        }]
-    }
 }
 
 #[derive(Serialize)]
@@ -140,7 +98,10 @@ impl StudyArgs {
     /// Measures what the folder lacks, then prints.
     pub fn run(&self) -> Result<Outcome> {
         let signals = Signals::watch()?;
-        let kinds = self.what.kinds();
+        let (kinds, all): (Vec<&Kind>, bool) = match self.what {
+            What::One(kind) => (vec![kind], false),
+            What::All => (studies::ALL.iter().collect(), true),
+        };
         let engine = Engine::open(self.device.as_deref(), false)?;
         let program = std::env::current_exe()
             .map_err(|error| Error::Internal(format!("this program's own file is not known: {error}")))?;
@@ -149,7 +110,7 @@ impl StudyArgs {
             scenes: self.scenes.clone(),
             amount: if self.quick { Amount::Quick } else { Amount::Full },
             folder: self.out.clone(),
-            child: Child { program, device: self.device.clone() },
+            subprocess: Subprocess { program, device: self.device.clone() },
             peers: self.peers.clone().map(|scripts| Peers { scripts, python }),
         };
         streams::say(&format!("device {}", engine.device().summary));
@@ -157,21 +118,21 @@ impl StudyArgs {
         let mut ended = Ended::Whole;
         for (index, &kind) in kinds.iter().enumerate() {
             let missing = |path: &PathBuf| !path.exists();
-            if self.what == What::All && !kind.takes_scenes() && kind.default_scenes(plan.amount).iter().any(missing) {
-                streams::say(&format!("study {} is left out: its scene is not here", kind.name()));
+            if all && !kind.takes_scenes() && kind.default_scenes(plan.amount).iter().any(missing) {
+                streams::say(&format!("study {} is left out: its scene is not here", kind.name));
                 continue;
             }
             // A study with scenes of its own has no use for others, and is no reason for `all` to fail.
-            let scenes = if self.what == What::All && !kind.takes_scenes() { Vec::new() } else { self.scenes.clone() };
+            let scenes = if all && !kind.takes_scenes() { Vec::new() } else { self.scenes.clone() };
             let plan = Plan { scenes, ..plan.clone() };
             let mut rows = Rows::open(&self.out, self.origin(&engine, kind, &plan), Some(self.remade_by(kind, &plan)))?;
             if kinds.len() > 1 {
-                streams::say(&format!("study {} of {}: {}", index + 1, kinds.len(), kind.name()));
+                streams::say(&format!("study {} of {}: {}", index + 1, kinds.len(), kind.name));
             }
             let mut teller = Teller { signals: signals.clone(), started: Instant::now(), first_done: None };
             let how = engine.study(kind, &plan, &mut rows, &mut teller)?;
             page::write(&self.out, rows.origin())?;
-            let summary = kind.account(&rows, &self.out).lines();
+            let summary = (kind.summary)(&rows, &self.out).lines();
             studies.push(Studied { origin: rows.origin().clone(), rows: rows.all().to_vec(), summary });
             ended = how;
             if ended == Ended::Stopped {
@@ -207,10 +168,10 @@ impl StudyArgs {
     }
 
     /// The command with all that was given to it, as a shell takes it; the program as it was started.
-    fn remade_by(&self, kind: Kind, plan: &Plan) -> String {
+    fn remade_by(&self, kind: &Kind, plan: &Plan) -> String {
         let program = std::env::args_os().next().map_or("texray".into(), |name| name.to_string_lossy().into_owned());
         let path = |path: &PathBuf| path.to_string_lossy().into_owned();
-        let mut words = vec![program, "study".into(), kind.name().into()];
+        let mut words = vec![program, "study".into(), kind.name.into()];
         let scenes = if plan.scenes.is_empty() { kind.default_scenes(plan.amount) } else { plan.scenes.clone() };
         words.extend(scenes.iter().filter(|_| kind.takes_scenes()).map(path));
         words.extend(self.quick.then(|| "--quick".into()));
@@ -226,15 +187,15 @@ impl StudyArgs {
 
     /// What makes rows comparable. The command names everything that changes what is measured; a study that is part of `all`
     /// has the command of its own, and goes on from rows that it left.
-    fn origin(&self, engine: &Engine, kind: Kind, plan: &Plan) -> Origin {
-        let mut command = format!("texray study {}", kind.name());
+    fn origin(&self, engine: &Engine, kind: &Kind, plan: &Plan) -> Origin {
+        let mut command = format!("texray study {}", kind.name);
         let scenes = if plan.scenes.is_empty() { kind.default_scenes(plan.amount) } else { plan.scenes.clone() };
         scenes.iter().for_each(|scene| command += &format!(" {}", shell::word(&scene.to_string_lossy())));
         if self.quick {
             command += " --quick";
         }
         Origin {
-            study: kind.name().into(),
+            study: kind.name.into(),
             version: env!("CARGO_PKG_VERSION").into(),
             kernel: engine.kernel_hash(),
             device: engine.device().name.clone(),

@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use super::read::ExrPicture;
-use crate::selftest::statistics::{critical_z, z_test};
+use crate::statistics::{critical_z, z_test};
 
 /// Side of a tile in pixels: so many that a sum of replicate variances, of one degree of freedom a pixel and more, is
 /// known well, and that the mean is close to normal.

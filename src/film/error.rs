@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::estimate::{DENOMINATOR_FLOOR, Estimate};
 use super::{Film, neighbourhood};
-use crate::distributions::student_critical;
+use crate::statistics::distributions::student_critical;
 
 /// Share of its neighbourhood's variance that a pixel has at least, in the bound.
 const NEIGHBOURS_SHARE: f64 = 0.5;

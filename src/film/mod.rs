@@ -122,6 +122,14 @@ impl Film {
         self.held.take();
     }
 
+    /// Empties the film: another picture of the same size begins.
+    pub fn clear(&mut self) {
+        self.sums.fill([0; 3]);
+        self.counts.fill(0);
+        self.open.clear();
+        self.closed_blocks = 0;
+    }
+
     /// Width in pixels of the rendered region.
     pub fn width(&self) -> u32 {
         self.width

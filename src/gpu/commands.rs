@@ -10,13 +10,13 @@ use ash::vk;
 
 use super::barrier::Barrier;
 use super::bind_group::BindGroup;
+use super::command_slot::CommandSlot;
 use super::context::Context;
 use super::device::Device;
 use super::failure::failed;
 use super::in_flight::{InFlight, Uses};
 use super::memory::{Buffer, Memory};
 use super::pipeline::ComputePipeline;
-use super::slot::CommandSlot;
 use super::timer::Clock;
 use crate::{Error, Result};
 

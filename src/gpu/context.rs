@@ -9,13 +9,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::choice::DeviceChoice;
+use super::command_slot::CommandSlot;
 use super::device::Device;
 use super::device_info::DeviceInfo;
 use super::instance::Instance;
 use super::messages::{ValidationReport, ValidationWatch};
 use super::pipeline::{ComputePipeline, PipelineKey};
-use super::slot::CommandSlot;
 use crate::Result;
+use crate::statistics::Finding;
 
 /// What a context is made with.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -35,6 +36,8 @@ struct Inner {
     free_slots: Mutex<Vec<CommandSlot>>,
     /// Every pipeline that was asked for by its description: some drivers take more than a minute to compile one.
     pipelines: Mutex<HashMap<PipelineKey, Arc<ComputePipeline>>>,
+    /// What was found of the device before it was used.
+    findings: Mutex<Option<Arc<[Finding]>>>,
     device: Arc<Device>,
 }
 
@@ -50,7 +53,12 @@ impl Context {
         let info = options.device.pick(&devices)?.clone();
         let physical = physical[info.index];
         let device = Device::new(instance, physical, info)?;
-        Ok(Context(Arc::new(Inner { free_slots: Mutex::default(), pipelines: Mutex::default(), device })))
+        Ok(Context(Arc::new(Inner {
+            free_slots: Mutex::default(),
+            pipelines: Mutex::default(),
+            findings: Mutex::default(),
+            device,
+        })))
     }
 
     /// Identity and limits of the device.
@@ -76,9 +84,22 @@ impl Context {
 
     /// Bounds how long a wait for submitted work may take, `None`: as long as it takes, which is how a context
     /// begins. A wait that runs out of time fails, and what the work uses is kept for good, since the work may still
-    /// run.
-    pub fn limit_waits(&self, limit: Option<Duration>) {
-        self.0.device.limit_waits(limit);
+    /// run. Returns the bound before.
+    pub fn limit_waits(&self, limit: Option<Duration>) -> Option<Duration> {
+        self.0.device.limit_waits(limit)
+    }
+
+    /// What was found of the device: `ask` is called once, and what it finds is kept for as long as the context lives.
+    /// An error is not kept.
+    pub(crate) fn findings(&self, ask: impl FnOnce(&Context) -> Result<Vec<Finding>>) -> Result<Arc<[Finding]>> {
+        // Held while the device is asked: another thread that wants to know waits for the answer.
+        let mut findings = self.0.findings.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(findings) = findings.as_ref() {
+            return Ok(findings.clone());
+        }
+        let found: Arc<[Finding]> = ask(self)?.into();
+        *findings = Some(found.clone());
+        Ok(found)
     }
 
     /// Bytes of device-local memory that buffers hold now. (Where host and device share one memory, as on CPUs, staging

@@ -167,9 +167,9 @@ impl Device {
         *self.wait_limit.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Bounds the waits from now on.
-    pub(super) fn limit_waits(&self, limit: Option<Duration>) {
-        *self.wait_limit.lock().unwrap_or_else(PoisonError::into_inner) = limit;
+    /// Bounds the waits from now on; the bound before.
+    pub(super) fn limit_waits(&self, limit: Option<Duration>) -> Option<Duration> {
+        std::mem::replace(&mut *self.wait_limit.lock().unwrap_or_else(PoisonError::into_inner), limit)
     }
 
     /// Counts a recorded copy out of an upload buffer.

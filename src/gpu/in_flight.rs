@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 
 use ash::vk;
 
+use super::command_slot::CommandSlot;
 use super::context::Context;
 use super::failure::failed;
 use super::memory::Buffer;
-use super::slot::CommandSlot;
 use crate::{Error, Result};
 
 /// Work that the device is doing.

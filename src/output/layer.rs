@@ -1,14 +1,17 @@
 //! Further layers of an EXR file: figures of each pixel beside its colour.
 
 use crate::film::{Estimate, Film};
+use crate::named::named;
 
-/// A layer that can be asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Aov {
-    /// Estimated variance of each pixel's mean, `variance.R`, `.G`, `.B`; not a number before two blocks of 16 samples
-    Variance,
-    /// Valid samples of each pixel, `samples.Y`
-    Samples,
+named! {
+    /// A layer that can be asked for.
+    pub enum Aov {
+        /// Estimated variance of each pixel's mean, `variance.R`, `.G`, `.B`; not a number before two blocks of 16
+        /// samples
+        Variance = "variance",
+        /// Valid samples of each pixel, `samples.Y`
+        Samples = "samples",
+    }
 }
 
 impl Aov {

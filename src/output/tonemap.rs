@@ -3,6 +3,8 @@
 //! Comes in: a pixel of any value, not-a-numbers, infinities and negatives included. Goes out: three bytes. All of it is
 //! computed in f64 and nowhere else, so that every 8-bit picture of texray looks the same.
 
+use crate::named::named;
+
 /// How a picture is shown; it changes 8-bit files only.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Display {
@@ -12,17 +14,16 @@ pub struct Display {
     pub tonemap: Tonemap,
 }
 
-/// What brings radiance into the range [0, 1] of the display; every curve acts on each channel by itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Tonemap {
-    /// Clip at 1: below it, colours are exact.
-    #[default]
-    None,
-    /// x / (1 + x) (Reinhard et al. 2002, equation 3): keeps detail in highlights, dims the rest.
-    Reinhard,
-    /// Filmic curve: Narkowicz's fit (2015) to the ACES reference transform; more contrast.
-    Aces,
+named! {
+    /// What brings radiance into the range [0, 1] of the display; every curve acts on each channel by itself.
+    pub enum Tonemap = None {
+        /// Clip at 1: below it, colours are exact.
+        None = "none",
+        /// x / (1 + x) (Reinhard et al. 2002, equation 3): keeps detail in highlights, dims the rest.
+        Reinhard = "reinhard",
+        /// Filmic curve: Narkowicz's fit (2015) to the ACES reference transform; more contrast.
+        Aces = "aces",
+    }
 }
 
 /// Largest radiance that a curve is asked for, after exposure; all of them have reached 1 in 8 bits long before, and

@@ -8,9 +8,12 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::{Observer, Renderer, StopRules, TimeRule, Tuning};
 use crate::error::Result;
 use crate::gpu::Context;
+use crate::render::renderer::Renderer;
+use crate::render::report::Observer;
+use crate::render::stop::{StopRules, TimeRule};
+use crate::render::tuning::Tuning;
 use crate::scene::{Filter, Scene};
 use crate::settings::{MAX_BOUNCES, Roulette, Settings};
 

@@ -9,6 +9,7 @@ use crate::interface::{
     EFFECT_EMITTERS, EFFECT_GLASS, EFFECT_MIRROR, EFFECT_PIXEL_FILTER, EFFECT_SKY, EFFECT_SMOOTH_NORMALS, EFFECTS,
     NO_INDEX,
 };
+use crate::named::Named;
 use crate::quote::shown;
 use crate::scene::{Filter, Material, MaterialKind, Scene};
 use crate::settings::Settings;
@@ -50,7 +51,7 @@ impl Effects {
         reasons[EFFECT_SMOOTH_NORMALS as usize] =
             (smooth > 0).then(|| format!("vertex normals: {}", triangles(smooth)));
         reasons[EFFECT_PIXEL_FILTER as usize] =
-            (settings.filter != Filter::Box).then(|| format!("filter `{}`", name_of(settings.filter)));
+            (settings.filter != Filter::Box).then(|| format!("filter `{}`", settings.filter.name()));
         let effect = |(name, reason): (&'static str, Option<String>)| match reason {
             Some(reason) => Effect { name, on: true, reason },
             None if settings.all_effects => Effect { name, on: true, reason: "asked for by --effects all".into() },
@@ -116,9 +117,4 @@ fn triangles_by_material(scene: &Scene) -> Vec<usize> {
 
 fn triangles(count: usize) -> String {
     format!("{count} triangle{}", if count == 1 { "" } else { "s" })
-}
-
-fn name_of(filter: Filter) -> String {
-    use clap::ValueEnum;
-    filter.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }

@@ -7,15 +7,12 @@ use crate::error::Result;
 use crate::film::{block_in_replicate, replicate_of_block};
 use crate::gpu::{ComputePipeline, Context, DeviceKind, PipelineDesc, ShaderModule, shaders};
 use crate::interface::*;
-use crate::render::Tuning;
 use crate::render::effects::Effects;
 use crate::render::guard::Guard;
-use crate::render::pass::{Place, Slice};
+use crate::render::slice::{Place, Slice, WORKGROUP};
 use crate::render::tiles::Tile;
+use crate::render::tuning::Tuning;
 use crate::settings::{AccelKind, Buffers, Hemisphere, Intersector, LightPick, Lights, Roulette, Sampler, Settings};
-
-/// Workgroup of 8 x 8 pixels: neighbours trace alike, and no shape was faster on lavapipe.
-pub const WORKGROUP: [u32; 2] = [8, 8];
 
 /// When lanes are left for the next pass by default: a CPU's dispatches are long, and at their ends most lanes of a vector wait for
 /// the last (docs/performance.md). A GPU hides that behind other subgroups, and a dispatch more costs it a wait for the host.

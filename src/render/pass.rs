@@ -4,7 +4,7 @@
 //! is left. In a pass a slice is what one dispatch works on. Whatever the slices, every pixel takes the same samples.
 
 use crate::interface::{LIST_ROW, LISTS};
-use crate::render::kernel::WORKGROUP;
+use crate::render::slice::{Place, Slice, WORKGROUP};
 use crate::render::tiles::Tile;
 
 /// Fewer pixels than this are not worth another pass: they run to their ends.
@@ -12,34 +12,6 @@ const FEW_PIXELS: u32 = 256;
 
 /// Listed pixels in a row of workgroups.
 const GROUP_ROW_PIXELS: u32 = LIST_ROW * WORKGROUP[1];
-
-/// Pixels of a dispatch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Slice {
-    /// The run begins for `count` rows of the tile from `first` on.
-    Rows {
-        /// First row.
-        first: u32,
-        /// Number of rows.
-        count: u32,
-    },
-    /// It goes on for `count` pixels of the list that the last pass has filled, wherever they are in the tile.
-    Listed {
-        /// Place of the first of them in the list.
-        first: u32,
-        /// How many.
-        count: u32,
-    },
-}
-
-/// A place in one of the two lists.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
-    /// Which list.
-    pub list: u32,
-    /// Pixels before it.
-    pub at: u32,
-}
 
 /// A pass over a tile, which hands out its slices one after the other.
 #[derive(Clone, Debug)]

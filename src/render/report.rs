@@ -4,9 +4,14 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::counters::{CAUSE_NAMES, Counts, INVALID_KIND_NAMES};
+use super::effects::Effects;
+use super::kernel::ReadAs;
 use super::stop::{Forecast, Target};
 use crate::bvh::TreeStats;
-use crate::film::PictureError;
+use crate::film::{Film, PictureError};
+use crate::gpu::Ledger;
+use crate::interface::{COUNTER_NODES, COUNTER_RAYS, COUNTER_TRIANGLES};
 use crate::settings::Buffers;
 
 /// State of a render at a run boundary or between two slices of a run.
@@ -145,4 +150,57 @@ pub struct RenderReport {
     pub table_wraps: u64,
     /// Bytes moved and held.
     pub bytes: Bytes,
+}
+
+impl RenderReport {
+    /// The report of a picture of which nothing has been rendered.
+    pub(super) fn of_nothing(
+        effects: &Effects,
+        seconds: StageSeconds,
+        read_as: ReadAs,
+        tree: TreeStats,
+    ) -> RenderReport {
+        RenderReport {
+            spp: 0,
+            stop_reason: StopReason::Spp,
+            seconds,
+            paths: 0,
+            rays: 0,
+            node_visits: 0,
+            triangle_tests: 0,
+            buffers: read_as.records,
+            path_buffers: read_as.paths,
+            relative_rmse: None,
+            error: None,
+            seconds_per_sample: 0.0,
+            tree,
+            effects: effects.names(),
+            invalid_samples: CAUSE_NAMES.into_iter().map(|cause| (cause, 0)).collect(),
+            invalid_kinds: INVALID_KIND_NAMES.into_iter().map(|kind| (kind, 0)).collect(),
+            table_wraps: 0,
+            bytes: Bytes::default(),
+        }
+    }
+
+    /// Adds what the kernel counted in a run.
+    pub(super) fn add(&mut self, counts: &Counts) {
+        self.rays += counts.of(COUNTER_RAYS);
+        self.paths += counts.paths();
+        self.node_visits += counts.of(COUNTER_NODES);
+        self.triangle_tests += counts.of(COUNTER_TRIANGLES);
+        counts.invalid_kinds().for_each(|(kind, count)| *self.invalid_kinds.entry(kind).or_default() += count);
+        counts.causes().for_each(|(cause, count)| *self.invalid_samples.entry(cause).or_default() += count);
+    }
+}
+
+/// A finished render.
+pub struct Rendered {
+    /// The film: sums in scaled radiance, from which picture and error are read.
+    pub film: Film,
+    /// Figures of the render.
+    pub report: RenderReport,
+    /// Every copy between CPU and GPU.
+    pub ledger: Ledger,
+    /// The effects that were on, and why.
+    pub effects: Effects,
 }

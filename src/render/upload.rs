@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::{Buffer, BufferUse, Context, Ledger, Memory, Resource, TexelBuffer, Uploader};
 use crate::interface::{
     BINDING_CAMERA, BINDING_CORNERS, BINDING_FILTER, BINDING_LIGHT_NODES, BINDING_LIGHTS, BINDING_MATERIALS,
@@ -26,6 +26,9 @@ pub struct GpuScene {
 /// A record kind: binding, buffer name, texels, and what the renderer wants it for.
 type Record<'a> = (u32, &'static str, &'a [Texel], &'static str);
 
+/// What the camera is wanted for.
+const CAMERA_USE: &str = "pose and picture size, read once an invocation";
+
 fn records(data: &TexelData) -> [Record<'_>; 10] {
     [
         (BINDING_NODES, "nodes", &data.nodes, "boxes of the tree, read at every node visit"),
@@ -34,7 +37,7 @@ fn records(data: &TexelData) -> [Record<'_>; 10] {
         (BINDING_CORNERS, "corners", &data.corners, "vertex normals, read once a smooth hit"),
         (BINDING_MATERIALS, "materials", &data.materials, "reflectance and emission, read once a hit"),
         (BINDING_LIGHTS, "lights", &data.lights, "emitters and their probabilities, read once a light sample"),
-        (BINDING_CAMERA, "camera", &data.camera, "pose and picture size, read once an invocation"),
+        (BINDING_CAMERA, "camera", &data.camera, CAMERA_USE),
         (BINDING_FILTER, "filter", &data.filter, "inverse distribution of the pixel filter, read once a path"),
         (BINDING_RANDOM, "random", &data.random, "numbers of the table sampler, read at every bounce"),
         (BINDING_LIGHT_NODES, "light nodes", &data.light_nodes, "clusters of lights, read on the way to a light"),
@@ -79,6 +82,23 @@ impl GpuScene {
         }
         uploader.finish()?;
         Ok(GpuScene { resources, null_texel, buffers })
+    }
+
+    /// Copies another camera over the one that is there.
+    pub fn replace_camera(&self, context: &Context, camera: &[Texel], ledger: &mut Ledger) -> Result<()> {
+        let bound = match self.buffers {
+            Buffers::Texel => BINDING_CAMERA,
+            Buffers::Storage => BINDING_CAMERA + STORAGE_TWIN,
+        };
+        let resource = self.resources.iter().find(|(binding, _)| *binding == bound).map(|(_, resource)| resource);
+        let buffer = match resource {
+            Some(Resource::Texel(view)) => view.buffer(),
+            Some(Resource::Storage(buffer)) => buffer,
+            None => return Err(Error::Internal("a scene on the device without a camera".into())),
+        };
+        let mut uploader = Uploader::new(context)?;
+        uploader.upload(ledger, buffer, 0, bytemuck::cast_slice(camera), CAMERA_USE)?;
+        uploader.finish()
     }
 
     /// What to bind as texels where there are none.

@@ -1,8 +1,8 @@
 //! A power law through points: a straight line by least squares in a log-log plane.
 
 use super::Point;
-use crate::distributions::student_critical;
-use crate::selftest::statistics::fit_line;
+use crate::statistics::distributions::student_critical;
+use crate::statistics::fit_line;
 
 /// Chance that the slope's interval misses the true slope, where the points scatter normally about the law.
 const ALPHA: f64 = 0.05;

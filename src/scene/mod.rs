@@ -47,6 +47,7 @@ mod toml_table;
 mod transform;
 mod warnings;
 
+use crate::named::named;
 use std::path::PathBuf;
 
 use glam::{DVec3, Vec2, Vec3};
@@ -140,19 +141,18 @@ pub struct FilmSettings {
     pub filter: Filter,
 }
 
-/// Pixel filter; samples are drawn in proportion to it, so that pixels stay independent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Filter {
-    /// Uniform over the pixel.
-    Box,
-    /// Triangle of radius 1 pixel.
-    Tent,
-    /// Gaussian of standard deviation 0.5 pixels, cut at radius 1.5.
-    Gaussian,
-    /// Blackman-Harris window of radius 1.5 pixels.
-    #[default]
-    BlackmanHarris,
+named! {
+    /// Pixel filter; samples are drawn in proportion to it, so that pixels stay independent.
+    pub enum Filter = BlackmanHarris {
+        /// Uniform over the pixel.
+        Box = "box",
+        /// Triangle of radius 1 pixel.
+        Tent = "tent",
+        /// Gaussian of standard deviation 0.5 pixels, cut at radius 1.5.
+        Gaussian = "gaussian",
+        /// Blackman-Harris window of radius 1.5 pixels.
+        BlackmanHarris = "blackman-harris",
+    }
 }
 
 /// What the scene's `[render]` table asks for; the command line overrides it.

@@ -1,7 +1,8 @@
 //! A case of the catalogue.
 
-use super::{Bench, Finding};
+use super::kit::TestBench;
 use crate::Result;
+use crate::statistics::Finding;
 
 /// One hard case.
 #[derive(Debug)]
@@ -20,7 +21,7 @@ pub struct Case {
 #[derive(Clone, Copy, Debug)]
 pub enum Check {
     /// By this function, on the device.
-    Run(fn(&Bench) -> Result<Vec<Finding>>),
+    Run(fn(&TestBench) -> Result<Vec<Finding>>),
     /// By a test program of the repository alone, since it needs what no user has: files, other drivers, proptest.
     Tests(&'static str),
     /// Not yet: the effect that it waits for.

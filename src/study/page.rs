@@ -5,7 +5,8 @@
 
 use std::path::Path;
 
-use super::{Kind, Origin, Rows};
+use super::engine::{Kind, Origin, Rows};
+use super::studies;
 use crate::Result;
 use crate::output::write_whole;
 use crate::report::Report;
@@ -29,9 +30,9 @@ fn report(folder: &Path, origin: &Origin) -> Report {
         ("texray", origin.version.clone()),
         ("kernel", origin.kernel.clone()),
     ];
-    let studied: Vec<(Kind, Rows)> = Kind::ALL
-        .into_iter()
-        .filter_map(|kind| Some((kind, Rows::read(folder, kind.name())?)))
+    let studied: Vec<(&Kind, Rows)> = studies::ALL
+        .iter()
+        .filter_map(|kind| Some((kind, Rows::read(folder, kind.name)?)))
         .filter(|(_, rows)| rows.origin().agrees(origin) && !rows.all().is_empty())
         .collect();
     let measurements: usize = studied.iter().map(|(_, rows)| rows.all().len()).sum();
@@ -43,16 +44,16 @@ fn report(folder: &Path, origin: &Origin) -> Report {
          otherwise.",
         origin.device
     );
-    let accounts: Vec<_> = studied.iter().map(|(kind, rows)| (*kind, rows, kind.account(rows, folder))).collect();
-    let findings = opening(&accounts.iter().map(|(_, _, account)| account.plain.as_slice()).collect::<Vec<_>>());
+    let summaries: Vec<_> = studied.iter().map(|(kind, rows)| (*kind, rows, (kind.summary)(rows, folder))).collect();
+    let findings = opening(&summaries.iter().map(|(_, _, summary)| summary.plain.as_slice()).collect::<Vec<_>>());
     Report {
         title: "What accuracy costs in time".into(),
         findings,
         lead: vec![lead],
         facts: facts.into_iter().map(|(name, value)| (name.into(), value)).collect(),
-        sections: accounts
+        sections: summaries
             .into_iter()
-            .map(|(kind, rows, account)| account.section(kind.name(), kind.title(), rows.remade_by()))
+            .map(|(kind, rows, summary)| summary.section(kind.name, kind.title, rows.remade_by()))
             .collect(),
     }
 }

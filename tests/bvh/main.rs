@@ -10,9 +10,9 @@ use rayon::prelude::*;
 use texray::bvh::{Accel, BinaryBvh, Builder, Intersector, Ray, Tracer, WideBvh, Work};
 use texray::interface::{MAX_TREE_DEPTH, NO_INDEX};
 use texray::scene::Triangle;
-use texray::selftest::meshes::{clusters, copies, coplanar, cube, displaced_sphere, exponential, soup, triangle};
-use texray::selftest::random::Random;
-use texray::selftest::rays::rays;
+use texray::selftest::kit::meshes::{clusters, copies, coplanar, cube, displaced_sphere, exponential, soup, triangle};
+use texray::selftest::kit::rays::rays;
+use texray::statistics::random::Random;
 
 fn accels(triangles: &[Triangle]) -> Vec<Accel> {
     let mut accels = vec![Accel::brute()];

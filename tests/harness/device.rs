@@ -9,9 +9,9 @@ use std::sync::OnceLock;
 use texray::gpu::{Context, ContextOptions};
 use texray::render::{Rendered, Renderer, Tuning};
 use texray::scene::Scene;
+use texray::selftest::kit::probe::Probe;
 #[allow(unused_imports)]
-pub use texray::selftest::bench::{Silent, plain_settings};
-use texray::selftest::probe::Probe;
+pub use texray::selftest::kit::test_bench::{Silent, plain_settings};
 use texray::settings::Settings;
 use texray::texels::Texel;
 

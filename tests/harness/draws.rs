@@ -3,20 +3,22 @@
 use texray::gpu::shaders;
 use texray::interface::BLOCK_SAMPLES;
 use texray::scene::{Filter, Scene};
-use texray::selftest::calls::Calls;
 #[allow(unused_imports)]
-pub use texray::selftest::calls::nothing;
+pub use texray::selftest::kit::draws::unit;
+use texray::selftest::kit::probe_calls::ProbeCalls;
 #[allow(unused_imports)]
-pub use texray::selftest::draws::unit;
+pub use texray::selftest::kit::probe_calls::nothing;
 #[allow(unused_imports)]
-pub use texray::selftest::scattering::{COSINE_HEMISPHERE, FRESNEL, MAKE_BASIS, POWER_HEURISTIC, UNIFORM_HEMISPHERE};
-use texray::selftest::{Bench, Tier};
+pub use texray::selftest::kit::scattering::{
+    COSINE_HEMISPHERE, FRESNEL, MAKE_BASIS, POWER_HEURISTIC, UNIFORM_HEMISPHERE,
+};
+use texray::selftest::{TestBench, Tier};
 use texray::settings::Sampler;
 use texray::texels::Texel;
 
 use super::device::{assert_valid, context};
 use super::statistics::{Verdict, chi_square_test};
-use texray::distributions::normal_two_sided;
+use texray::statistics::distributions::normal_two_sided;
 
 /// Functions of the probe that no hard case calls.
 pub const RANDOM_PAIR: u32 = 0;
@@ -25,7 +27,7 @@ pub const SQUARE_TO_TRIANGLE: u32 = 4;
 pub const FILTER_OFFSET: u32 = 5;
 pub const PICK_LIGHT: u32 = 9;
 
-/// Replicates of the probe's draws, as `selftest/probe.rs` sets them.
+/// Replicates of the probe's draws, as `selftest/kit/probe.rs` sets them.
 pub const REPLICATES: u32 = 4;
 
 /// Calls a function over the records of `scene`.
@@ -41,14 +43,14 @@ fn call_in_run(
     first_sample: u32,
     input: &[Texel],
 ) -> Vec<Texel> {
-    let calls = Calls {
+    let calls = ProbeCalls {
         scene: Some(scene),
         sampler,
         filter,
         first_sample,
-        ..Calls::new(shaders::PROBE_SAMPLING, function, input)
+        ..ProbeCalls::new(shaders::PROBE_SAMPLING, function, input)
     };
-    let answers = calls.run(&Bench::new(context(), Tier::Full)).expect("the probe runs");
+    let answers = calls.run(&TestBench::new(context(), Tier::Full)).expect("the probe runs");
     assert_valid(context());
     answers
 }

@@ -14,7 +14,9 @@ pub mod sketch;
 pub mod tracer;
 
 #[allow(unused_imports)]
-pub use texray::selftest::{meshes, probe, random, rays, scenes, statistics};
+pub use texray::selftest::kit::{meshes, probe, rays, scenes};
+pub use texray::statistics;
+pub use texray::statistics::random;
 
 use statistics::{FAMILY_ALPHA, Verdict, sidak};
 

@@ -8,9 +8,9 @@ use texray::interface::NO_INDEX;
 use texray::output::Display;
 use texray::render::{Guard, Tuning};
 use texray::scene::{Scene, Triangle};
-use texray::selftest::meshes::{cube, displaced_sphere};
-use texray::selftest::tracing::{Answer, Departure, Leaving, Mesh};
-use texray::selftest::{Bench, Tier};
+use texray::selftest::kit::meshes::{cube, displaced_sphere};
+use texray::selftest::kit::tracing::{Answer, Departure, Leaving, Mesh};
+use texray::selftest::{TestBench, Tier};
 use texray::settings::{Lights, Roulette, Settings};
 
 use crate::harness::device::{context, load, plain_settings, render_tuned};
@@ -134,7 +134,7 @@ fn cracks() -> Plate {
             Ray::new(origin, (a * weights[0] + b * weights[1] + c * weights[2]) / sum - origin)
         })
         .collect();
-    let bench = Bench::new(context(), Tier::Fast);
+    let bench = TestBench::new(context(), Tier::Fast);
     let ways = [Intersector::MollerTrumbore, Intersector::Watertight].map(|intersector| {
         let mesh = Mesh::wide(&mesh).expect("the mesh fits").with_intersector(intersector);
         mesh.trace(&bench, &rays).expect("the rays are traced")
@@ -168,7 +168,7 @@ fn boxes() -> Plate {
             Ray::new(at - direction * 2.0, direction)
         })
         .collect();
-    let bench = Bench::new(context(), Tier::Fast);
+    let bench = TestBench::new(context(), Tier::Fast);
     let records = Mesh::wide(&mesh).expect("the mesh fits");
     let ways = [bench.without(Guard::DirectionFloor), bench]
         .map(|bench| records.trace(&bench, &rays).expect("the rays are traced"));
@@ -198,7 +198,7 @@ fn acne() -> Plate {
             light: NO_INDEX,
         })
         .collect();
-    let bench = Bench::new(context(), Tier::Fast);
+    let bench = TestBench::new(context(), Tier::Fast);
     let records = Mesh::wide(&mesh).expect("the mesh fits");
     let ways = [(bench.without(Guard::SkipSource), Leaving::Bare), (bench, Leaving::Extension)];
     let [before, after] = ways.map(|(bench, leaving)| {

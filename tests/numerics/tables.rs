@@ -3,13 +3,15 @@
 use std::fmt::Write;
 
 use texray::render::Guard;
-use texray::selftest::{Bench, CaseReport, Finding, GROUPS, Outcome, Tier, case, run_case, startup};
+use texray::render::startup;
+use texray::selftest::{CaseOutcome, CaseReport, GROUPS, TestBench, Tier, case, run_case};
+use texray::statistics::Finding;
 
 use crate::harness::device::{assert_valid, context};
 
 /// Every case at the full tier: how much was looked at, and the first thing of it with its figure.
 pub fn cases() -> String {
-    let bench = Bench::new(context(), Tier::Full);
+    let bench = TestBench::new(context(), Tier::Full);
     let mut text = String::new();
     for group in &GROUPS {
         let _ = writeln!(
@@ -34,13 +36,13 @@ fn case_row(report: &CaseReport) -> String {
     let start = format!("| {} {} | {} |", case.number, cell(case.title), cell(case.meaning));
     let later = case.awaits_in_part().map_or(String::new(), |part| format!("; later: {part}"));
     match outcome {
-        Outcome::Ran(findings) => {
+        CaseOutcome::Ran(findings) => {
             let Finding { what, expected, got, .. } = telling(findings);
             format!("{start} {} | {} | {} | {}{later} |\n", findings.len(), cell(what), cell(expected), cell(got))
         }
-        Outcome::ShownBy(test) => format!("{start} | shown by {} | | |\n", cell(test)),
-        Outcome::Awaits(effect) => format!("{start} | awaits {} | | |\n", cell(effect)),
-        Outcome::Failed(error) => format!("{start} | {} | | |\n", cell(error)),
+        CaseOutcome::ShownBy(test) => format!("{start} | shown by {} | | |\n", cell(test)),
+        CaseOutcome::Awaits(effect) => format!("{start} | awaits {} | | |\n", cell(effect)),
+        CaseOutcome::Failed(error) => format!("{start} | {} | | |\n", cell(error)),
     }
 }
 
@@ -51,12 +53,12 @@ fn telling(findings: &[Finding]) -> &Finding {
 
 /// Every guard, and what its case finds first without it, at the fast tier.
 pub fn guards() -> String {
-    let bench = Bench::new(context(), Tier::Fast);
+    let bench = TestBench::new(context(), Tier::Fast);
     let mut text =
         "\n| guard | what it does | case | without it | expected | got |\n|---|---|---|---|---|---|\n".to_owned();
     for &guard in Guard::ALL {
         let report = run_case(&bench.without(guard), case(guard.case()).expect("the catalogue has this case"));
-        let Outcome::Ran(findings) = &report.outcome else { panic!("{guard:?}: {:?}", report.outcome) };
+        let CaseOutcome::Ran(findings) = &report.outcome else { panic!("{guard:?}: {:?}", report.outcome) };
         let bitten = findings.iter().find(|finding| !finding.passes).expect("the case fails without its guard");
         let _ = writeln!(
             text,

@@ -3,17 +3,21 @@
 use crate::Result;
 use crate::gpu::shaders;
 use crate::interface::FILTER_ENTRIES;
+use crate::render::startup;
 use crate::render::{Guard, Rendered, Tuning};
 use crate::scene::{Filter, Scene};
-use crate::selftest::bench::plain_settings;
-use crate::selftest::calls::{Calls, float_probe, pixel};
-use crate::selftest::draws::falling_variance;
-use crate::selftest::faults::{SIDE, causes, emitter, spot_pixel, spotted_wall};
-use crate::selftest::furnaces::furnaces;
-use crate::selftest::random::Random;
-use crate::selftest::scenes::{SceneBuilder, camera, glass, lambert, mirror};
-use crate::selftest::{Bench, Case, Check, Finding, directions, startup, streams};
+use crate::selftest::cases::directions;
+use crate::selftest::kit::draws::falling_variance;
+use crate::selftest::kit::faults::{SIDE, causes, emitter, spot_pixel, spotted_wall};
+use crate::selftest::kit::furnaces::furnaces;
+use crate::selftest::kit::probe_calls::{ProbeCalls, float_probe, pixel};
+use crate::selftest::kit::scenes::{SceneBuilder, camera, glass, lambert, mirror};
+use crate::selftest::kit::streams;
+use crate::selftest::kit::test_bench::plain_settings;
+use crate::selftest::{Case, Check, TestBench};
 use crate::settings::{Lights, Sampler, Settings};
+use crate::statistics::Finding;
+use crate::statistics::random::Random;
 use crate::texels::Texel;
 
 /// The cases.
@@ -96,7 +100,7 @@ fn total(counts: &std::collections::BTreeMap<&'static str, u64>) -> u64 {
 
 /// Three pixels of NaN, +inf and -inf: counted, left out, and nowhere else to be seen. Then each stage in turn is given a
 /// NaN, and must be the one that is named.
-fn invalid_samples(bench: &Bench) -> Result<Vec<Finding>> {
+fn invalid_samples(bench: &TestBench) -> Result<Vec<Finding>> {
     let spots = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY].map(emitter);
     let settings =
         |scene: &Scene| Settings { lights: Lights::Bsdf, max_bounces: 1, ..plain_settings(scene, SIDE, SIDE, 1) };
@@ -140,12 +144,12 @@ fn invalid_samples(bench: &Bench) -> Result<Vec<Finding>> {
     Ok(findings)
 }
 
-fn nan_tests(bench: &Bench) -> Result<Vec<Finding>> {
-    Ok(startup::probe(bench.context())?.into_iter().filter(|finding| finding.what == "nan").collect())
+fn nan_tests(bench: &TestBench) -> Result<Vec<Finding>> {
+    Ok(startup::probe(bench.context())?.iter().filter(|finding| finding.what == "nan").cloned().collect())
 }
 
 /// With the check of samples off, a NaN anywhere would reach the film, which refuses it.
-fn nothing_to_mask(bench: &Bench) -> Result<Vec<Finding>> {
+fn nothing_to_mask(bench: &TestBench) -> Result<Vec<Finding>> {
     let unmasked = bench.without(Guard::InvalidSamples);
     let mut findings = Vec::new();
     for (name, scene) in furnaces().into_iter().take(bench.count(1, 3)) {
@@ -169,12 +173,12 @@ fn nothing_to_mask(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// `lesser` and `greater` are comparisons, which are defined for NaN; min, max and clamp are used where no NaN can come.
-fn lesser_and_greater(bench: &Bench) -> Result<Vec<Finding>> {
+fn lesser_and_greater(bench: &TestBench) -> Result<Vec<Finding>> {
     let denormal = f32::from_bits(1);
     let values = [f32::NAN, 0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, denormal, 1.0, -2.5, f32::MAX, f32::MIN];
     let pairs: Vec<[f32; 2]> = values.iter().flat_map(|&a| values.map(|b| [a, b])).collect();
     let input: Vec<Texel> = pairs.iter().map(|[a, b]| [a.to_bits(), b.to_bits(), 0, 0]).collect();
-    let answers = Calls { output_texels: 2, ..Calls::new(float_probe(bench), 0, &input) }.run(bench)?;
+    let answers = ProbeCalls { output_texels: 2, ..ProbeCalls::new(float_probe(bench), 0, &input) }.run(bench)?;
     let (mut own, mut plain, mut strange) = (0, 0, 0);
     // A device may take a denormal for 0, as an operand and as a result.
     let flushed = |value: f32| if value == denormal { 0.0 } else { value };
@@ -204,12 +208,12 @@ fn lesser_and_greater(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// Vulkan's fma may be a product and a sum. The renderer uses none; where the error of a product is needed, Dekker's split
 /// gives it.
-fn fused_or_not(bench: &Bench) -> Result<Vec<Finding>> {
+fn fused_or_not(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut random = Random::new(5, 0);
     let mut factor = || (random.unit() + 1.0) * 2f32.powi(random.below(16) as i32 - 8);
     let pairs: Vec<[f32; 2]> = (0..65_536).map(|_| [factor(), factor()]).collect();
     let input: Vec<Texel> = pairs.iter().map(|[a, b]| [a.to_bits(), b.to_bits(), 0, 0]).collect();
-    let answers = Calls { output_texels: 2, ..Calls::new(float_probe(bench), 1, &input) }.run(bench)?;
+    let answers = ProbeCalls { output_texels: 2, ..ProbeCalls::new(float_probe(bench), 1, &input) }.run(bench)?;
     let (mut fused, mut split, mut neither, mut dekker) = (0, 0, 0, 0);
     for (&[a, b], answer) in pairs.iter().zip(answers.as_chunks::<2>().0) {
         let product = a * b;
@@ -231,7 +235,7 @@ fn fused_or_not(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// 10^7 numbers in one f32 with compensation. Kahan's bound is 2u + n u^2 of the sum of magnitudes: 1.2e-7 + 3.6e-8 for
 /// n = 10^7.
-fn compensated_sum(bench: &Bench) -> Result<Vec<Finding>> {
+fn compensated_sum(bench: &TestBench) -> Result<Vec<Finding>> {
     let dispatches = bench.count(16, 160) as u32;
     let count = dispatches * streams::STEPS;
     let sums = streams::compensated(bench, shaders::PROBE_SUMS, dispatches)?;
@@ -244,9 +248,9 @@ fn compensated_sum(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// The driver's limit is measured; a path of forty bounces between mirrors past ten thousand triangles does not see it.
-fn long_loops(bench: &Bench) -> Result<Vec<Finding>> {
+fn long_loops(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings: Vec<_> =
-        startup::probe(bench.context())?.into_iter().filter(|finding| finding.what == "loops").collect();
+        startup::probe(bench.context())?.iter().filter(|finding| finding.what == "loops").cloned().collect();
     let mut builder = SceneBuilder::new();
     let [mirrors, walls, body, light] = [mirror(0.95, 0.0), lambert(0.5, 0.0), lambert(0.7, 0.0), lambert(0.0, 5.0)]
         .map(|material| builder.material(material));
@@ -274,10 +278,11 @@ fn long_loops(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// What a float becomes as an index: within the table for 0, the largest number below 1, 1 itself, NaN and numbers far
 /// beyond.
-fn indices(bench: &Bench) -> Result<Vec<Finding>> {
+fn indices(bench: &TestBench) -> Result<Vec<Finding>> {
     let ends = [0.0, 1.0 - 2f32.powi(-24), 1.0, f32::NAN, f32::INFINITY, -1.0, 1e20, f32::NEG_INFINITY];
     let input: Vec<Texel> = ends.iter().map(|u| [(u * (FILTER_ENTRIES - 1) as f32).to_bits(), 0, 0, 0]).collect();
-    let calls = Calls { output_texels: 2, filter: Filter::Gaussian, ..Calls::new(float_probe(bench), 2, &input) };
+    let calls =
+        ProbeCalls { output_texels: 2, filter: Filter::Gaussian, ..ProbeCalls::new(float_probe(bench), 2, &input) };
     let answers = calls.run(bench)?;
     let entries: Vec<u32> = answers.as_chunks::<2>().0.iter().map(|answer| answer[0][0]).collect();
     let outside = entries.iter().filter(|&&entry| entry > FILTER_ENTRIES - 2).count();
@@ -289,14 +294,14 @@ fn indices(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Sample numbers around 2^16, 2^24 and 2^31 draw numbers of their own, and noise falls on where 16 bits would wrap.
-fn late_samples(bench: &Bench) -> Result<Vec<Finding>> {
+fn late_samples(bench: &TestBench) -> Result<Vec<Finding>> {
     const INDICES: [u32; 8] = [65_535, 65_536, (1 << 24) - 1, 1 << 24, (1 << 24) + 1, (1 << 31) - 1, 1 << 31, u32::MAX];
     const PIXELS: u32 = 256;
     let mut findings = Vec::new();
     for sampler in [Sampler::Sobol, Sampler::Independent] {
         let input: Vec<Texel> =
             INDICES.iter().flat_map(|&index| (0..PIXELS).map(move |i| [pixel(i, 16), index, 0, 0])).collect();
-        let answers = Calls { sampler, ..Calls::new(shaders::PROBE_SAMPLING, 0, &input) }.run(bench)?;
+        let answers = ProbeCalls { sampler, ..ProbeCalls::new(shaders::PROBE_SAMPLING, 0, &input) }.run(bench)?;
         let pictures: Vec<_> = answers.chunks_exact(PIXELS as usize).collect();
         let mut equal = 0;
         for (i, a) in pictures.iter().enumerate() {
@@ -314,7 +319,7 @@ fn late_samples(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// A furnace of 1/2 that emits 1e-30, 1 or 1e30: emission is scaled by a power of two on the host, so nothing is near a
 /// denormal. 8 bounces: 2 - 2^-8.
-fn extreme_emission(bench: &Bench) -> Result<Vec<Finding>> {
+fn extreme_emission(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     for emission in [1e-30f32, 1.0, 1e30] {
         let mut builder = SceneBuilder::new();

@@ -9,15 +9,16 @@ use crate::interface::NO_INDEX;
 use crate::render::Guard;
 use crate::scene::normalise::has_area;
 use crate::scene::{Scene, Triangle};
-use crate::selftest::bench::plain_settings;
-use crate::selftest::directions::Worst;
-use crate::selftest::meshes::{self, displaced_sphere};
-use crate::selftest::pictures::{lit_pixels, pixel_moments, worst_error};
-use crate::selftest::random::Random;
-use crate::selftest::scenes::{SceneBuilder, camera, lambert};
-use crate::selftest::tracing::{Mesh, leaks, mismatches, trees};
-use crate::selftest::{Bench, Case, Check, Finding};
+use crate::selftest::kit::meshes::{self, displaced_sphere};
+use crate::selftest::kit::pictures::{lit_pixels, pixel_moments, worst_error};
+use crate::selftest::kit::scenes::{SceneBuilder, camera, lambert};
+use crate::selftest::kit::test_bench::plain_settings;
+use crate::selftest::kit::tracing::{Mesh, leaks, mismatches, trees};
+use crate::selftest::{Case, Check, TestBench};
 use crate::settings::Settings;
+use crate::statistics::Finding;
+use crate::statistics::Worst;
+use crate::statistics::random::Random;
 
 /// The cases.
 pub const CASES: &[Case] = &[
@@ -118,7 +119,7 @@ fn inner_rays(family: usize, mesh: &[Triangle], centre: Vec3, radius: f32, count
 }
 
 /// A closed mesh put somewhere in file units, as loading brings it to the device. Also its centre and an inner radius.
-fn placed(bench: &Bench, mesh: &[Triangle], scale: f64, at: DVec3) -> (Vec<Triangle>, Vec3, f32) {
+fn placed(bench: &TestBench, mesh: &[Triangle], scale: f64, at: DVec3) -> (Vec<Triangle>, Vec3, f32) {
     let mut builder = SceneBuilder::new();
     let material = builder.material(lambert(0.5, 1.0));
     for triangle in mesh {
@@ -145,7 +146,7 @@ const PLACES: [(&str, f64, [f64; 3]); 5] = [
     ("the origin, scaled by 1e-6", 1e-6, [0.0; 3]),
 ];
 
-fn cracks(bench: &Bench) -> Result<Vec<Finding>> {
+fn cracks(bench: &TestBench) -> Result<Vec<Finding>> {
     let sphere = displaced_sphere(17, 32);
     let count = bench.count(20_000, 200_000);
     let mut findings = Vec::new();
@@ -176,7 +177,7 @@ fn uncontracted(module: ShaderModule) -> usize {
     count
 }
 
-fn fused_edges(bench: &Bench) -> Result<Vec<Finding>> {
+fn fused_edges(bench: &TestBench) -> Result<Vec<Finding>> {
     let sphere = displaced_sphere(17, 32);
     let mesh = Mesh::wide(&sphere)?;
     let mut findings = Vec::new();
@@ -203,7 +204,7 @@ fn fused_edges(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// A closed mesh of a millionth of the scene's size.
-fn small_objects(bench: &Bench) -> Result<Vec<Finding>> {
+fn small_objects(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut triangles = displaced_sphere(17, 32);
     for triangle in &mut triangles {
         triangle.positions = triangle.positions.map(|position| position * 2f32.powi(-20));
@@ -225,7 +226,7 @@ fn small_objects(bench: &Bench) -> Result<Vec<Finding>> {
     Ok(findings)
 }
 
-fn underflow(bench: &Bench) -> Result<Vec<Finding>> {
+fn underflow(bench: &TestBench) -> Result<Vec<Finding>> {
     let sphere = displaced_sphere(17, 32);
     let answers = |scale: f64| {
         let (triangles, centre, _) = placed(bench, &sphere, scale, DVec3::ZERO);
@@ -271,7 +272,7 @@ const PLANE_ERROR: f64 = 2.0 * 1.7 / 0.1 / 1048576.0;
 const PLANE_ERROR_WHY: &str =
     "the pad of the sliver's own box over the least distance of its plane; f64 is the measure";
 
-fn slivers(bench: &Bench) -> Result<Vec<Finding>> {
+fn slivers(bench: &TestBench) -> Result<Vec<Finding>> {
     let (triangles, count) = sliced_cube(bench.count(2_000, 25_000));
     let mut random = Random::new(73, 0);
     let rays: Vec<Ray> = (0..bench.count(20_000, 200_000))
@@ -284,7 +285,7 @@ fn slivers(bench: &Bench) -> Result<Vec<Finding>> {
         .collect();
     let answers = Mesh::wide(&triangles)?.trace(bench, &rays)?;
     // The sliver's plane is z = -1/2 or 1/2: the distance along the ray follows in f64.
-    let error = |(ray, answer): (&Ray, &crate::selftest::tracing::Answer)| match answer.hit {
+    let error = |(ray, answer): (&Ray, &crate::selftest::kit::tracing::Answer)| match answer.hit {
         Some(hit) if (hit.id as usize) < count => {
             let plane = f64::from(0.5f32.copysign(ray.direction.z));
             let t = (plane - f64::from(ray.origin.z)) / f64::from(ray.direction.z);
@@ -303,7 +304,7 @@ fn slivers(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Rays past the tips of needles, in the line of the needle: the edge functions alone agree that they hit.
-fn beyond_the_tip(bench: &Bench) -> Result<Finding> {
+fn beyond_the_tip(bench: &TestBench) -> Result<Finding> {
     let mut random = Random::new(74, 0);
     let mut triangles = Vec::new();
     let mut rays = Vec::new();
@@ -330,7 +331,7 @@ fn beyond_the_tip(bench: &Bench) -> Result<Finding> {
 
 /// The triangle and ray of pbrt's "bad cases": three collinear points (shapes_test.cpp), scaled into [-1, 1]. Rounding gives
 /// their sheared images an area, so the loader has to refuse them.
-fn collinear(bench: &Bench) -> Result<Vec<Finding>> {
+fn collinear(bench: &TestBench) -> Result<Vec<Finding>> {
     let scale = 2f32.powi(-11);
     let point = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) * scale;
     let corners = [
@@ -350,7 +351,7 @@ fn collinear(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Which of several coplanar triangles is hit does not depend on the tree.
-fn coplanar_faces(bench: &Bench) -> Result<Vec<Finding>> {
+fn coplanar_faces(bench: &TestBench) -> Result<Vec<Finding>> {
     let triangles = meshes::coplanar(150, 3);
     let mut random = Random::new(75, 0);
     let rays: Vec<Ray> = (0..bench.count(20_000, 200_000))
@@ -380,7 +381,7 @@ fn flush_ceiling(view: crate::scene::Camera) -> Scene {
     builder.finish(view, None)
 }
 
-fn flush_light(bench: &Bench) -> Result<Vec<Finding>> {
+fn flush_light(bench: &TestBench) -> Result<Vec<Finding>> {
     let up = flush_ceiling(camera([0.1, 0.1, -0.2], [0.05, 1.0, 0.1], 20.0));
     let seen = worst_error(bench, &up, &Settings { max_bounces: 1, ..plain_settings(&up, 16, 16, 16) }, 1.0)?;
     // The ceiling beside the light, its border just out of view.
@@ -397,7 +398,7 @@ fn flush_light(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Rays in the plane of a face meet its neighbours.
-fn in_plane(bench: &Bench) -> Result<Vec<Finding>> {
+fn in_plane(bench: &TestBench) -> Result<Vec<Finding>> {
     let triangles = meshes::cube(6);
     let mut random = Random::new(76, 0);
     let rays: Vec<Ray> = (0..bench.count(20_000, 100_000))

@@ -8,14 +8,15 @@ use crate::Result;
 use crate::bvh::{Accel, Builder, Ray, WideBvh};
 use crate::interface::{MAX_TREE_DEPTH, NO_INDEX, TRIANGLE_TEXELS};
 use crate::scene::Triangle;
-use crate::selftest::bench::plain_settings;
-use crate::selftest::meshes;
-use crate::selftest::pictures::worst_error;
-use crate::selftest::random::Random;
-use crate::selftest::rays::rays;
-use crate::selftest::scenes::{SceneBuilder, camera};
-use crate::selftest::tracing::{Mesh, leaks, mismatches, trees};
-use crate::selftest::{Bench, Case, Check, Finding};
+use crate::selftest::kit::meshes;
+use crate::selftest::kit::pictures::worst_error;
+use crate::selftest::kit::rays::rays;
+use crate::selftest::kit::scenes::{SceneBuilder, camera};
+use crate::selftest::kit::test_bench::plain_settings;
+use crate::selftest::kit::tracing::{Mesh, leaks, mismatches, trees};
+use crate::selftest::{Case, Check, TestBench};
+use crate::statistics::Finding;
+use crate::statistics::random::Random;
 
 /// The cases.
 pub const CASES: &[Case] = &[
@@ -70,7 +71,7 @@ pub const CASES: &[Case] = &[
 ];
 
 /// Hits by each tree against hits by none, over meshes small enough for none to be quick; every seventh triangle emits.
-fn against_brute(bench: &Bench, named: &[(&str, Vec<Triangle>)], count: usize, seed: u64) -> Result<Vec<Finding>> {
+fn against_brute(bench: &TestBench, named: &[(&str, Vec<Triangle>)], count: usize, seed: u64) -> Result<Vec<Finding>> {
     let emits = |id: u32| id % 7 == 3;
     let mut findings = Vec::new();
     for ((name, triangles), seed) in named.iter().zip(seed..) {
@@ -88,7 +89,7 @@ fn against_brute(bench: &Bench, named: &[(&str, Vec<Triangle>)], count: usize, s
     Ok(findings)
 }
 
-fn box_planes(bench: &Bench) -> Result<Vec<Finding>> {
+fn box_planes(bench: &TestBench) -> Result<Vec<Finding>> {
     let named = [
         ("sphere", meshes::displaced_sphere(8, 12)),
         ("cube", meshes::cube(4)),
@@ -112,12 +113,12 @@ fn sheets(count: usize) -> Vec<Triangle> {
         .collect()
 }
 
-fn rounded_boxes(bench: &Bench) -> Result<Vec<Finding>> {
+fn rounded_boxes(bench: &TestBench) -> Result<Vec<Finding>> {
     let named = [("sheets", sheets(140)), ("clusters", meshes::clusters())];
     against_brute(bench, &named, bench.count(20_000, 200_000), 230)
 }
 
-fn flat_boxes(bench: &Bench) -> Result<Vec<Finding>> {
+fn flat_boxes(bench: &TestBench) -> Result<Vec<Finding>> {
     let triangles = meshes::cube(32);
     let mut random = Random::new(24, 0);
     let rays: Vec<Ray> = (0..bench.count(20_000, 200_000))
@@ -144,7 +145,7 @@ fn flat_boxes(bench: &Bench) -> Result<Vec<Finding>> {
     Ok(findings)
 }
 
-fn equal_centroids(bench: &Bench) -> Result<Vec<Finding>> {
+fn equal_centroids(bench: &TestBench) -> Result<Vec<Finding>> {
     let triangles = meshes::copies(100_000);
     let mut findings = Vec::new();
     for builder in [Builder::Sah, Builder::Median] {
@@ -184,7 +185,7 @@ fn equal_centroids(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Triangles at x = 2^-k make the deepest trees.
-fn deep_trees(bench: &Bench) -> Result<Vec<Finding>> {
+fn deep_trees(bench: &TestBench) -> Result<Vec<Finding>> {
     let triangles = meshes::exponential(140);
     let count = bench.count(5_000, 50_000);
     let mut random = Random::new(26, 0);
@@ -214,7 +215,7 @@ fn deep_trees(bench: &Bench) -> Result<Vec<Finding>> {
     Ok(findings)
 }
 
-fn counts(bench: &Bench) -> Result<Vec<Finding>> {
+fn counts(bench: &TestBench) -> Result<Vec<Finding>> {
     let sky = SceneBuilder::new().finish(camera([0.0; 3], [0.0, 0.0, 1.0], 40.0), Some([1.0; 3]));
     let error = worst_error(bench, &sky, &plain_settings(&sky, 8, 8, 4), 1.0)?;
     let mut findings = vec![Finding::at_most("error of the background without triangles", 0.0, error, "exact")];
@@ -234,7 +235,7 @@ fn counts(bench: &Bench) -> Result<Vec<Finding>> {
     Ok(findings)
 }
 
-fn invalid_rays(bench: &Bench) -> Result<Vec<Finding>> {
+fn invalid_rays(bench: &TestBench) -> Result<Vec<Finding>> {
     let triangles = meshes::displaced_sphere(17, 32);
     let mut random = Random::new(29, 0);
     let values = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];

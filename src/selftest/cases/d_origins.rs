@@ -7,15 +7,17 @@ use crate::bvh::{Builder, WideBvh};
 use crate::interface::NO_INDEX;
 use crate::render::Guard;
 use crate::scene::Triangle;
-use crate::selftest::bench::plain_settings;
-use crate::selftest::directions::Worst;
-use crate::selftest::meshes;
-use crate::selftest::pictures::{bits, differing, lit_pixels, pixel_moments, worst_error};
-use crate::selftest::random::Random;
-use crate::selftest::scenes::{SceneBuilder, camera, glass, lambert};
-use crate::selftest::tracing::{Arrival, Departure, Leaving, Mesh};
-use crate::selftest::{Bench, Case, Check, Finding, shadow_rays};
+use crate::selftest::cases::shadow_rays;
+use crate::selftest::kit::meshes;
+use crate::selftest::kit::pictures::{bits, differing, lit_pixels, pixel_moments, worst_error};
+use crate::selftest::kit::scenes::{SceneBuilder, camera, glass, lambert};
+use crate::selftest::kit::test_bench::plain_settings;
+use crate::selftest::kit::tracing::{Arrival, Departure, Leaving, Mesh};
+use crate::selftest::{Case, Check, TestBench};
 use crate::settings::{Lights, Settings};
+use crate::statistics::Finding;
+use crate::statistics::Worst;
+use crate::statistics::random::Random;
 
 /// The cases.
 pub const CASES: &[Case] = &[
@@ -102,7 +104,7 @@ fn exits(triangles: &[Triangle], count: usize, seed: u64) -> Vec<Departure> {
         .collect()
 }
 
-fn self_hits(bench: &Bench) -> Result<Vec<Finding>> {
+fn self_hits(bench: &TestBench) -> Result<Vec<Finding>> {
     // One triangle a mesh would be as many uploads; all in one mesh, what is hit says whether it was the own one.
     let triangles = sized_triangles(bench.count(20_000, 250_000));
     let departures = exits(&triangles, 4 * triangles.len(), 30);
@@ -145,7 +147,7 @@ fn self_hits(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// Two quads a hundred-thousandth of the scene apart: rays that leave one of them inwards meet the other, and so does a shadow
 /// ray to a light beyond it.
-fn thin_sheet(bench: &Bench) -> Result<Vec<Finding>> {
+fn thin_sheet(bench: &TestBench) -> Result<Vec<Finding>> {
     // Turned and off the origin, so that no coordinate is special.
     let place = DVec3::new(-0.31, -0.27, 0.12);
     let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
@@ -195,7 +197,7 @@ fn turned_cube(cells: usize) -> (Vec<Triangle>, DMat3) {
 }
 
 /// Rays from points on the edges of triangles in a closed cube, to its inside: none leaves, none meets a neighbour at once.
-fn corners(bench: &Bench) -> Result<Vec<Finding>> {
+fn corners(bench: &TestBench) -> Result<Vec<Finding>> {
     let (triangles, turn) = turned_cube(6);
     let back = turn.transpose();
     let mut random = Random::new(32, 0);
@@ -234,7 +236,7 @@ fn corners(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// A white room, closed, in front of a white sky: whatever is seen came through a wall.
-fn sealed_room(bench: &Bench) -> Result<Finding> {
+fn sealed_room(bench: &TestBench) -> Result<Finding> {
     let (triangles, turn) = turned_cube(bench.count(20, 60));
     let mut builder = SceneBuilder::new();
     let white = builder.material(lambert(1.0, 0.0));
@@ -247,7 +249,7 @@ fn sealed_room(bench: &Bench) -> Result<Finding> {
 }
 
 /// Smooth normals that lean towards a light behind the surface, and smooth balls in a white furnace.
-fn terminator(bench: &Bench) -> Result<Vec<Finding>> {
+fn terminator(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut builder = SceneBuilder::new();
     let (wall, light) = (builder.material(lambert(0.8, 0.0)), builder.material(lambert(0.0, 1.0)));
     let lean = DVec3::new(0.0, 0.9, -0.2).normalize();
@@ -289,7 +291,7 @@ fn terminator(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// A wall is two-sided: a light on the viewer's side lights it, front or back, and one on the other side does not.
-fn normal_side(bench: &Bench) -> Result<Vec<Finding>> {
+fn normal_side(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     for (side, z) in [("front", 1.0), ("back", -1.0)] {
         for lit_side in [z, -z] {
@@ -322,7 +324,7 @@ fn normal_side(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// A flat wall whose vertex normals point away from its front, or along it; what loading does to normals is shown by
 /// tests/scene.rs, `negated_short_or_missing_normals_of_a_flat_wall_change_nothing`.
-fn opposed_normals(bench: &Bench) -> Result<Finding> {
+fn opposed_normals(bench: &TestBench) -> Result<Finding> {
     let picture = |normal: Option<DVec3>| {
         let mut builder = SceneBuilder::new();
         let (grey, light) = (builder.material(lambert(0.5, 0.0)), builder.material(lambert(0.0, 1.0)));
@@ -347,7 +349,7 @@ fn opposed_normals(bench: &Bench) -> Result<Finding> {
     })
 }
 
-fn camera_inside(bench: &Bench) -> Result<Vec<Finding>> {
+fn camera_inside(bench: &TestBench) -> Result<Vec<Finding>> {
     let inside = camera([0.1, 0.05, 0.0], [1.0, 0.3, 0.2], 40.0);
     let mut builder = SceneBuilder::new();
     let body = builder.material(glass(1.5));
@@ -367,7 +369,7 @@ fn camera_inside(bench: &Bench) -> Result<Vec<Finding>> {
     Ok(findings)
 }
 
-fn narrow_view(bench: &Bench) -> Result<Vec<Finding>> {
+fn narrow_view(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     for (vfov, up) in [(1e-4, DVec3::Y), (1e-4, DVec3::new(0.0, 1e-6, 1.0)), (179.0, DVec3::Y)] {
         let mut builder = SceneBuilder::new();

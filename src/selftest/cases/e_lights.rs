@@ -5,17 +5,20 @@ use glam::{DVec3, Vec3};
 use crate::Result;
 use crate::bvh::Accel;
 use crate::scene::Scene;
-use crate::selftest::directions::Worst;
-use crate::selftest::furnaces::{furnace, series};
-use crate::selftest::random::Random;
-use crate::selftest::scattering::{
+use crate::selftest::cases::light_trees;
+use crate::selftest::kit::form_factors;
+use crate::selftest::kit::furnaces::{furnace, series};
+use crate::selftest::kit::scattering::{
     ARC_TANGENT, Arguments, LIGHT_SAMPLE, Measured, PICK_LIGHTS, POWER_HEURISTIC, SOLID_ANGLE, call, call_in,
     call_sampling, call_words, measure, smooth_settings,
 };
-use crate::selftest::scenes::{SceneBuilder, camera, lambert};
-use crate::selftest::statistics::chi_square_test;
-use crate::selftest::{Bench, Case, Check, Finding, Tier, form_factors, light_trees};
+use crate::selftest::kit::scenes::{SceneBuilder, camera, lambert};
+use crate::selftest::{Case, Check, TestBench, Tier};
 use crate::settings::{LightPick, Lights, Settings};
+use crate::statistics::Finding;
+use crate::statistics::Worst;
+use crate::statistics::chi_square_test;
+use crate::statistics::random::Random;
 use crate::texels::TexelData;
 use crate::texels::triangle::area;
 
@@ -81,7 +84,7 @@ pub const CASES: &[Case] = &[
 ///
 /// With the density p of light sampling, q = cos / π of BSDF sampling and the power heuristic, a light sample is worth
 /// ρ Le q p / (p² + q²) ≤ ρ Le / 2, a BSDF sample ρ Le q² / (p² + q²) ≤ ρ Le.
-fn near_lights(bench: &Bench) -> Result<Vec<Finding>> {
+fn near_lights(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut builder = SceneBuilder::new();
     let light = builder.material(lambert(0.0, 1.0));
     builder.quad([-1.0, 0.0, -1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], light);
@@ -125,7 +128,7 @@ fn solid_angle(p: DVec3, [v0, v1, v2]: [DVec3; 3]) -> (f64, f64) {
 
 /// Each vector's components are rounded by 2^-24 of themselves and their products add some ten roundings more; the volume
 /// makes 1 / condition of that, where the condition is the volume over the product of the three lengths that it is made of.
-fn solid_angles(bench: &Bench) -> Result<Vec<Finding>> {
+fn solid_angles(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut random = Random::new(39, 0);
     let tangents: Vec<Arguments> = (0..bench.count(1 << 16, 1 << 18))
         .map(|_| {
@@ -175,7 +178,7 @@ fn many_lights(count: u32) -> Scene {
     builder.finish(camera([0.0, 0.0, -5.0], [0.0; 3], 40.0), None)
 }
 
-fn picks(bench: &Bench) -> Result<Vec<Finding>> {
+fn picks(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let large = bench.count(100_000, 1_250_000) as u32;
     for (triangles, draws) in [(20, bench.count(1 << 19, 10_000_000)), (large, 1 << 20)] {
@@ -243,7 +246,7 @@ fn picks(bench: &Bench) -> Result<Vec<Finding>> {
 ///
 /// Sums of samples are whole numbers of 2^-80 of the brightest emission (film): what a light 1e20 times fainter adds to a
 /// block is some 1e4 of these. The power of lights never picks it; BSDF samples find it.
-fn bright_and_faint(bench: &Bench) -> Result<Vec<Finding>> {
+fn bright_and_faint(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let powers = [(1e10f32, 1e10f32), (1e10, 1.0), (1e10, 1e-10)];
     let cases = powers.into_iter().flat_map(|powers| [LightPick::Power, LightPick::Tree].map(|pick| (powers, pick)));
@@ -275,7 +278,7 @@ fn bright_and_faint(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Weights of every pair of densities that may meet.
-fn heuristic(bench: &Bench) -> Result<Vec<Finding>> {
+fn heuristic(bench: &TestBench) -> Result<Vec<Finding>> {
     let values = [0.0, 1.2e-38, 1e-20, 1.0, 1e20, f32::INFINITY];
     let pairs: Vec<[f32; 4]> = values.iter().flat_map(|&a| values.map(|b| [a, b, 0.0, 0.0])).collect();
     let (mut outside, mut sums) = (0, Worst::default());
@@ -294,7 +297,7 @@ fn heuristic(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// A closed box that emits 1 and reflects a: (1 - a^(n + 1)) / (1 - a) after n bounces. Light samples alone are judged in a room
 /// whose light touches nothing: where a surface meets a light, 1 / r² has no variance, and a mean no error to be judged by.
-fn estimators(bench: &Bench) -> Result<Vec<Finding>> {
+fn estimators(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let spp = bench.count(64, 256) as u32;
     for albedo in [0.5f32, 0.8] {

@@ -4,15 +4,17 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::Result;
 use crate::scene::Material;
-use crate::selftest::directions::Worst;
-use crate::selftest::lobes::{direction, wide, with};
-use crate::selftest::random::Random;
-use crate::selftest::scattering::{
+use crate::selftest::cases::lobes;
+use crate::selftest::cases::lobes::{direction, wide, with};
+use crate::selftest::kit::scattering::{
     Arguments, FRESNEL, GLASS, MAKE_BASIS, Measured, REFRACTION, call, call_sampling, measure, smooth_settings,
 };
-use crate::selftest::scenes::{SceneBuilder, camera, glass, lambert};
-use crate::selftest::{Bench, Case, Check, Finding, lobes};
+use crate::selftest::kit::scenes::{SceneBuilder, camera, glass, lambert};
+use crate::selftest::{Case, Check, TestBench};
 use crate::settings::{Lights, Settings};
+use crate::statistics::Finding;
+use crate::statistics::Worst;
+use crate::statistics::random::Random;
 
 /// The cases.
 pub const CASES: &[Case] = &[
@@ -96,7 +98,7 @@ fn reflectance(cosine: f64, eta: f64) -> (f64, f64) {
     ((parallel * parallel + perpendicular * perpendicular) / 2.0, beyond2)
 }
 
-fn fresnel(bench: &Bench) -> Result<Vec<Finding>> {
+fn fresnel(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let known = [(0.0f64, 0.04), (45.0, 0.0502399), (56.3099, 0.0739645)];
     let questions = known.map(|(degrees, _)| [degrees.to_radians().cos() as f32, 1.5, 0.0, 0.0]);
@@ -135,7 +137,7 @@ fn fresnel(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Around the critical angle: directions are finite and unit, Snell's law holds, beyond it everything is reflected.
-fn total_reflection(bench: &Bench) -> Result<Vec<Finding>> {
+fn total_reflection(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut random = Random::new(51, 0);
     let eta = 1.0f32 / 1.5;
     let critical = f64::from(eta).asin();
@@ -180,7 +182,7 @@ fn total_reflection(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// T = (1 - R) / (1 + R) for a slab of glass, black above, 1 below.
-fn slab(bench: &Bench) -> Result<Vec<Finding>> {
+fn slab(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     for (ior, degrees, transmitted) in [
         (1.5, 0.0f64, 0.9230769),
@@ -206,7 +208,7 @@ fn slab(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// A body in a white furnace: every pixel must show `expected`.
 fn in_a_furnace(
-    bench: &Bench,
+    bench: &TestBench,
     what: &str,
     scene: SceneBuilder,
     view: ([f64; 3], [f64; 3]),
@@ -241,13 +243,13 @@ fn ball(material: Material) -> SceneBuilder {
 }
 
 /// Radiance over squared index is what stays constant along a ray.
-fn radiance_scale(bench: &Bench) -> Result<Vec<Finding>> {
+fn radiance_scale(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = in_a_furnace(bench, "glass seen from outside", ball(glass(1.5)), OUTSIDE, 1.0)?;
     findings.extend(in_a_furnace(bench, "glass seen from inside", ball(glass(1.5)), INSIDE, 2.25)?);
     Ok(findings)
 }
 
-fn nested_glass(bench: &Bench) -> Result<Vec<Finding>> {
+fn nested_glass(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let mut bubble = ball(glass(1.5));
     let inner = bubble.material(glass(1.5));
@@ -290,7 +292,7 @@ fn nested_glass(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// The vectors of pbrt's own test, the axes, the neighbourhood of -z, and random directions.
-fn bases(bench: &Bench) -> Result<Vec<Finding>> {
+fn bases(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut normals = vec![
         [0.000_385_273_16, 0.000_384_600_16, -0.999_999_9, 0.0],
         [-0.000_198_135_81, -0.000_089_468_39, -0.999_999_9, 0.0f32],
@@ -319,7 +321,7 @@ fn bases(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Black, white, and a closed white box that only the bounce cap ends.
-fn albedos(bench: &Bench) -> Result<Vec<Finding>> {
+fn albedos(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     for (albedo, bounces, expected) in [(0.0, 8, 1.0), (1.0, 1, 2.0), (1.0, 30, 31.0)] {
         let mut builder = SceneBuilder::new();
@@ -343,7 +345,7 @@ fn albedos(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Glass that reflects with probability 0 or 1, at random numbers 0 and 1 - 2^-24.
-fn certain_lobes(bench: &Bench) -> Result<Vec<Finding>> {
+fn certain_lobes(bench: &TestBench) -> Result<Vec<Finding>> {
     let numbers = [0.0, 1.0 / 16_777_216.0, 0.5, 1.0 - 1.0 / 16_777_216.0];
     let mut questions: Vec<Arguments> = Vec::new();
     let mut expected = Vec::new();

@@ -9,16 +9,19 @@ use crate::interface::BLOCK_SAMPLES;
 use crate::output::{Display, Tonemap};
 use crate::render::Guard;
 use crate::render::bounce_cap::cap_bias;
-use crate::selftest::bench::{Silent, plain_settings};
-use crate::selftest::calls::{Calls, float_probe, pixel};
-use crate::selftest::draws::{correlation, pairs, scatter_of_means, unit};
-use crate::selftest::finding::VERDICTS;
-use crate::selftest::furnaces::{furnace, mean, series};
-use crate::selftest::random::Random;
-use crate::selftest::scenes::{SceneBuilder, camera, lambert};
-use crate::selftest::statistics::{Moments, chi_square_test};
-use crate::selftest::{Bench, Case, Check, Finding, Tier, light_trees, roulette, streams};
+use crate::selftest::cases::{light_trees, roulette};
+use crate::selftest::kit::draws::{correlation, pairs, scatter_of_means, unit};
+use crate::selftest::kit::furnaces::{furnace, mean, series};
+use crate::selftest::kit::probe_calls::{ProbeCalls, float_probe, pixel};
+use crate::selftest::kit::scenes::{SceneBuilder, camera, lambert};
+use crate::selftest::kit::streams;
+use crate::selftest::kit::test_bench::{Silent, plain_settings};
+use crate::selftest::{Case, Check, TestBench, Tier};
 use crate::settings::{Lights, Roulette, Sampler, Settings};
+use crate::statistics::Finding;
+use crate::statistics::finding::VERDICTS;
+use crate::statistics::random::Random;
+use crate::statistics::{Moments, chi_square_test};
 use crate::texels::Texel;
 
 /// The cases.
@@ -98,7 +101,7 @@ pub const CASES: &[Case] = &[
 ];
 
 /// 10^7 samples a pixel through what a render does: blocks of 16 in f32 on the device, closed blocks in the film.
-fn long_sums(bench: &Bench) -> Result<Vec<Finding>> {
+fn long_sums(bench: &TestBench) -> Result<Vec<Finding>> {
     let blocks = bench.count(62_500, 625_000) as u32;
     let sums = streams::blocks(bench, blocks)?;
     let mut film = Film::new(1, 1, 4, 0)?;
@@ -126,7 +129,7 @@ fn long_sums(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Replicate means in f64: exactly 0 for a constant, unbiased for uniform numbers.
-fn variances(_bench: &Bench) -> Result<Vec<Finding>> {
+fn variances(_bench: &TestBench) -> Result<Vec<Finding>> {
     const REPLICATES: u32 = 64;
     let (width, height) = (96, 64);
     let pixels = width * height;
@@ -164,7 +167,7 @@ fn variances(_bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// A film gets its blocks in any order and in any number of parts; integers do not mind.
-fn partial_films(_bench: &Bench) -> Result<Vec<Finding>> {
+fn partial_films(_bench: &TestBench) -> Result<Vec<Finding>> {
     const BLOCKS: usize = 1001;
     let mut random = Random::new(60, 0);
     let mut value = || (random.unit() * 2f32.powi(random.below(40) as i32 - 20)).to_bits();
@@ -193,10 +196,10 @@ fn partial_films(_bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Every float that a word can become is below 1, and warps of the ends of the unit interval are directions.
-fn ends_of_the_unit_interval(bench: &Bench) -> Result<Vec<Finding>> {
+fn ends_of_the_unit_interval(bench: &TestBench) -> Result<Vec<Finding>> {
     const PART: u32 = 4096;
     let input: Vec<Texel> = (0..(1 << 24) / PART).map(|part| [part * PART, PART, 0, 0]).collect();
-    let answers = Calls { output_texels: 2, ..Calls::new(float_probe(bench), 3, &input) }.run(bench)?;
+    let answers = ProbeCalls { output_texels: 2, ..ProbeCalls::new(float_probe(bench), 3, &input) }.run(bench)?;
     let answers = || answers.iter().step_by(2);
     let largest = answers().map(|answer| f32::from_bits(answer[0])).fold(0.0, f32::max);
     let reach = answers().map(|answer| u64::from(answer[1])).sum::<u64>();
@@ -211,7 +214,7 @@ fn ends_of_the_unit_interval(bench: &Bench) -> Result<Vec<Finding>> {
     let ends = [0.0, 2f32.powi(-24), 0.25, 0.5, 0.5 + 2f32.powi(-24), 1.0 - 2f32.powi(-24)];
     let input: Vec<Texel> = ends.iter().flat_map(|&u| ends.map(|v: f32| [u.to_bits(), v.to_bits(), 0, 0])).collect();
     for (function, name) in [(2, "cosine hemisphere"), (3, "uniform hemisphere"), (4, "triangle")] {
-        let answers = Calls::new(shaders::PROBE_SAMPLING, function, &input).run(bench)?;
+        let answers = ProbeCalls::new(shaders::PROBE_SAMPLING, function, &input).run(bench)?;
         let wrong = answers.iter().filter(|answer| {
             let [x, y, z, _] = answer.map(|bits| f64::from(f32::from_bits(bits)));
             let sound = match function {
@@ -228,7 +231,7 @@ fn ends_of_the_unit_interval(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// A number that chose a light has a place below 1 in the light's share: the ends of shares of every size, at either end of all
 /// numbers.
-fn places_in_shares(bench: &Bench) -> Result<Finding> {
+fn places_in_shares(bench: &TestBench) -> Result<Finding> {
     let sizes = (0..=32).flat_map(|exponent| [1u64 << exponent, (1 << exponent) - 1]).filter(|&size| size > 0);
     let input: Vec<Texel> = sizes
         .flat_map(|size| {
@@ -239,14 +242,14 @@ fn places_in_shares(bench: &Bench) -> Result<Finding> {
             })
         })
         .collect();
-    let answers = Calls::new(shaders::PROBE_SAMPLING, 11, &input).run(bench)?;
+    let answers = ProbeCalls::new(shaders::PROBE_SAMPLING, 11, &input).run(bench)?;
     let outside = answers.iter().filter(|answer| !(0.0..1.0).contains(&f32::from_bits(answer[0]))).count();
     Ok(Finding::never("places in a light's share outside [0, 1)", outside as u64, input.len() as u64))
 }
 
 /// Numbers of neighbouring pixels, samples and dimensions are independent, down to the lowest bits; means of up to 2^20 of
 /// them scatter as they should.
-fn colliding_streams(bench: &Bench) -> Result<Vec<Finding>> {
+fn colliding_streams(bench: &TestBench) -> Result<Vec<Finding>> {
     const SIDE: usize = 256;
     let count = SIDE * SIDE;
     let mut findings = Vec::new();
@@ -281,7 +284,7 @@ fn colliding_streams(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Any bounce up to 65,535 and any sample up to 2^32 - 1 has numbers of its own: hashes, not a table that ends.
-fn late_dimensions(bench: &Bench) -> Result<Vec<Finding>> {
+fn late_dimensions(bench: &TestBench) -> Result<Vec<Finding>> {
     const PIXELS: u32 = 4096;
     let mut findings = Vec::new();
     for sampler in [Sampler::Sobol, Sampler::Independent] {
@@ -304,7 +307,7 @@ fn late_dimensions(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// Each bounce draws numbers of its own: a box of diffuse walls and two mirrors has the brightness of its geometric series,
 /// also where roulette must be decided anew at every bounce.
-fn dimensions_of_a_bounce(bench: &Bench) -> Result<Vec<Finding>> {
+fn dimensions_of_a_bounce(bench: &TestBench) -> Result<Vec<Finding>> {
     let scene = furnace(0.5, true);
     let mut findings = Vec::new();
     let spp = bench.count(16, 128) as u32;
@@ -321,7 +324,7 @@ fn dimensions_of_a_bounce(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Energy beyond the cap is missing, as much as the series says, and the report of the bias says so.
-fn bounce_cap(bench: &Bench) -> Result<Vec<Finding>> {
+fn bounce_cap(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     for (albedo, expected) in [(0.5f32, 1.996_093_75), (0.8, 4.328_911_36)] {
         let scene = furnace(albedo, false);
@@ -342,7 +345,7 @@ fn bounce_cap(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// A small light of radiance 10^4, found by chance: every sample is 0 or all of it, none is clamped, and the mean is right.
-fn fireflies(bench: &Bench) -> Result<Vec<Finding>> {
+fn fireflies(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut builder = SceneBuilder::new();
     let [floor, lamp] = [lambert(0.5, 0.0), lambert(0.0, 1e4)].map(|material| builder.material(material));
     builder.quad([-1.0, 0.0, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0], floor);
@@ -364,7 +367,7 @@ fn fireflies(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Two closed boxes apart that emit 1e10 and 1e-10: both as bright as they should be, in one film's units.
-fn bright_and_faint(bench: &Bench) -> Result<Vec<Finding>> {
+fn bright_and_faint(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     for (x, emission) in [(-3.0, 1e10f32), (3.0, 1e-10)] {
         let mut builder = SceneBuilder::new();
@@ -386,7 +389,7 @@ fn bright_and_faint(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// 0, infinity, negative numbers and NaN become bytes: black, or white where they are bright.
-fn tone_maps(_bench: &Bench) -> Result<Vec<Finding>> {
+fn tone_maps(_bench: &TestBench) -> Result<Vec<Finding>> {
     let (mut wrong, mut trials) = (0, 0);
     for tonemap in [Tonemap::None, Tonemap::Reinhard, Tonemap::Aces] {
         for exposure_stops in [0.0, -100.0, 100.0] {

@@ -6,15 +6,16 @@ use crate::Result;
 use crate::interface::BLOCK_SAMPLES;
 use crate::render::Guard;
 use crate::scene::{Camera, Scene};
-use crate::selftest::bench::plain_settings;
-use crate::selftest::directions::Worst;
-use crate::selftest::pictures::{bits, compare_tiles, differing, pixel_moments, worst_error};
-use crate::selftest::random::Random;
-use crate::selftest::scattering::{Arguments, REFLECTIONS, call};
-use crate::selftest::scenes::{SceneBuilder, camera, glass, lambert, mirror};
-use crate::selftest::statistics::{Moments, fit_line};
-use crate::selftest::{Bench, Case, Check, Finding};
+use crate::selftest::kit::pictures::{bits, compare_tiles, differing, pixel_moments, worst_error};
+use crate::selftest::kit::scattering::{Arguments, REFLECTIONS, call};
+use crate::selftest::kit::scenes::{SceneBuilder, camera, glass, lambert, mirror};
+use crate::selftest::kit::test_bench::plain_settings;
+use crate::selftest::{Case, Check, TestBench};
 use crate::settings::Settings;
+use crate::statistics::Finding;
+use crate::statistics::Worst;
+use crate::statistics::random::Random;
+use crate::statistics::{Moments, fit_line};
 
 /// The cases.
 pub const CASES: &[Case] = &[
@@ -88,7 +89,7 @@ struct Placement {
 const HERE: Placement = Placement { scale: 1.0, angle: 0.0, shift: 0.0 };
 
 /// A lit room with a tilted block. `step` is what coordinates are multiples of; 0: they are ordinary decimals.
-fn placed_room(bench: &Bench, step: f64, at: Placement) -> Scene {
+fn placed_room(bench: &TestBench, step: f64, at: Placement) -> Scene {
     let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), at.angle);
     let place = |[x, y, z]: [f64; 3]| {
         let rounded = |value: f64| if step > 0.0 { (value / step).round() * step } else { value };
@@ -122,7 +123,7 @@ fn placed_room(bench: &Bench, step: f64, at: Placement) -> Scene {
     builder.finish_scaled(view, None, scaling)
 }
 
-fn placement(bench: &Bench) -> Result<Vec<Finding>> {
+fn placement(bench: &TestBench) -> Result<Vec<Finding>> {
     // Every tile needs its variance: 16 replicates.
     let settings =
         |scene: &Scene, seed| Settings { seed, max_bounces: 4, ..plain_settings(scene, 24, 24, 16 * BLOCK_SAMPLES) };
@@ -155,7 +156,7 @@ fn placement(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Something in front of a white sky that reflects all there is.
-fn white_furnace(bench: &Bench) -> Result<Vec<Finding>> {
+fn white_furnace(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let bodies = [("a white cube", lambert(1.0, 0.0)), ("a mirror", mirror(1.0, 0.0)), ("glass", glass(1.5))];
     for (name, body) in bodies {
@@ -178,7 +179,7 @@ fn white_furnace(bench: &Bench) -> Result<Vec<Finding>> {
     Ok(findings)
 }
 
-fn closed_furnace(bench: &Bench) -> Result<Vec<Finding>> {
+fn closed_furnace(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let spp = bench.count(32, 256) as u32;
     for (albedo, max_bounces) in [(0.5f32, 24u32), (0.8, 64), (0.95, 256)] {
@@ -220,7 +221,7 @@ fn mean_within(what: String, expected: f64, samples: &Moments, share: f64) -> Fi
 }
 
 /// A sphere of one albedo, seen from inside, of which a cap emits.
-fn integrating_sphere(bench: &Bench) -> Result<Vec<Finding>> {
+fn integrating_sphere(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let divisions = bench.count(5, 7) as u32;
     for (fraction, albedo, max_bounces) in [(0.1, 0.5f32, 40u32), (0.05, 0.8, 80), (0.05, 0.95, 300)] {
@@ -241,7 +242,7 @@ fn integrating_sphere(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// A black emitting ball of radius 1/2 in a ball of radius 1: form factor 1/4 from the outer to the inner.
-fn sphere_in_sphere(bench: &Bench) -> Result<Vec<Finding>> {
+fn sphere_in_sphere(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let divisions = bench.count(5, 7) as u32;
     for (albedo, max_bounces) in [(0.5f32, 30), (0.8, 60)] {
@@ -264,7 +265,7 @@ fn sphere_in_sphere(bench: &Bench) -> Result<Vec<Finding>> {
 
 /// Mirrors that emit 1 and reflect .9: no variance, so that a ray that leaves shows. Radiance does not show lengths: directions
 /// reflected a hundred times about any normals are looked at by themselves.
-fn mirror_box(bench: &Bench) -> Result<Vec<Finding>> {
+fn mirror_box(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut builder = SceneBuilder::new();
     let mirrors = builder.material(mirror(0.9, 1.0));
     builder.cuboid([-1.0, -0.7, -0.9], [1.0, 0.8, 1.1], mirrors, true);
@@ -294,7 +295,7 @@ fn mirror_box(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// A lamp in a glass ball: its light reaches the floor by BSDF samples alone.
-fn caustic(bench: &Bench) -> Result<Vec<Finding>> {
+fn caustic(bench: &TestBench) -> Result<Vec<Finding>> {
     let mut builder = SceneBuilder::new();
     let floor = builder.material(lambert(0.7, 0.0));
     let light = builder.material(lambert(0.0, 1.0));
@@ -338,7 +339,7 @@ fn caustic(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// A bar 1 unit wide and a million units away, with a scene of its size at the camera.
-fn needle(bench: &Bench) -> Result<Vec<Finding>> {
+fn needle(bench: &TestBench) -> Result<Vec<Finding>> {
     const FAR: f64 = 1e6;
     let mut builder = SceneBuilder::new();
     let (near, bar) = (builder.material(lambert(0.5, 0.0)), builder.material(lambert(0.0, 1.0)));
@@ -375,7 +376,7 @@ fn needle(bench: &Bench) -> Result<Vec<Finding>> {
 }
 
 /// Pixels are keyed by their place in the whole picture, so any window shows what the whole shows.
-fn odd_sizes(bench: &Bench) -> Result<Vec<Finding>> {
+fn odd_sizes(bench: &TestBench) -> Result<Vec<Finding>> {
     let scene = placed_room(bench, 0.0, HERE);
     let mut findings = Vec::new();
     for ([width, height], crop) in [

@@ -1,13 +1,19 @@
-//! The catalogue: one file a group.
+//! The catalogue: one file per group, and beside them the cases that fill a file of their own.
 
 mod a_floats;
 mod b_triangles;
 mod c_tree;
 mod d_origins;
+mod directions;
 mod e_lights;
 mod f_bsdfs;
 mod g_accumulation;
 mod h_scenes;
+mod light_trees;
+mod lobes;
+mod microfacets;
+mod roulette;
+mod shadow_rays;
 
 use super::Group;
 
