@@ -1,9 +1,9 @@
 //! What of a material's look cannot be shown, said once for all materials that faces use.
 //!
-//! Comes in: the materials of a scene, each as its file states it and with what the scene changes. Goes out: refusals of
-//! values that the look hangs on, and a warning of each kind of look that is left out, with how many materials have it.
-//! Values that change nothing (`Ks 0 0 0`, `d 1`, `Tf 1 1 1`) are not told of, nor those that an illumination model does
-//! not show (`Ks` under `illum 1`).
+//! Comes in: the materials of a scene, each as its file states it and with what the scene changes. Goes out: refusals
+//! of values that the look hangs on, and a warning of each kind of look that is left out, with how many materials have
+//! it. Values that change nothing (`Ks 0 0 0`, `d 1`, `Tf 1 1 1`) are not told of, nor those that an illumination model
+//! does not show (`Ks` under `illum 1`).
 
 use std::path::Path;
 

@@ -1,9 +1,9 @@
 //! A line scan of an OBJ file that owns every refusal: `tobj` gives no line numbers, and has holes.
 //!
-//! Comes in: the text of an OBJ file. Goes out: an [`ObjScan`], whose canonical text holds nothing but checked `v`, `vt`,
-//! `vn`, `f` and numbered `usemtl` lines, points before faces, so that none of `tobj`'s habits (triangles made of `l`,
-//! names cut at a tab, vertex colours out of step, normals that a corner does not have taken from another) can be met.
-//! What reads the canonical text may assume that every index is in range.
+//! Comes in: the text of an OBJ file. Goes out: an [`ObjScan`], whose canonical text holds nothing but checked `v`,
+//! `vt`, `vn`, `f` and numbered `usemtl` lines, points before faces, so that none of `tobj`'s habits (triangles made of
+//! `l`, names cut at a tab, vertex colours out of step, normals that a corner does not have taken from another) can be
+//! met. What reads the canonical text may assume that every index is in range.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
