@@ -397,3 +397,29 @@ fn layers_and_error_map() {
 fn text_of(output: &Output) -> String {
     format!("{}{}", text(&output.stdout), text(&output.stderr))
 }
+
+/// A picture without light is told to be black, not to have no error; what is taken for granted is told but for -q.
+#[test]
+fn a_black_picture_is_told_to_be_black() {
+    let folder = folder();
+    let path = folder.path();
+    let expect = |arguments: &[&str]| {
+        let output = texray(path, arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+        text(&output.stderr)
+    };
+    fs::write(path.join("back.obj"), "mtllib room.mtl\nusemtl lamp\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 3 2 1\n").unwrap();
+    for (spp, error) in [("32", "error unknown: the picture is black"), ("4", "error unknown before two blocks")] {
+        let arguments = ["render", "back.obj", "--size", "8x8", "--spp", spp, "-o", "back.exr", "--overwrite"];
+        let told = expect(&arguments);
+        for part in
+            ["note: back.obj: an OBJ file has no camera", "warning: the picture is black", "backs of lamps", error]
+        {
+            assert!(told.contains(part), "{part}: {told}");
+        }
+    }
+    let quiet = expect(&["render", "back.obj", "--size", "8x8", "--spp", "32", "-o", "b.exr", "-q"]);
+    assert!(quiet.contains("warning: the picture is black") && !quiet.contains("note: "), "{quiet}");
+    let lit = expect(&["render", "room.toml", "--spp", "32", "-o", "room.exr"]);
+    assert!(!lit.contains("black"), "{lit}");
+}

@@ -249,6 +249,7 @@ fn looks_that_are_left_out_are_told_once_with_a_count() {
             "Tf 1 0 0\nillum 4",
             "a.mtl:2: Tf of 1 material is ignored: what is opaque filters no light; glass has illum 4, 6 or 7 and Ni above 1",
         ),
+        ("Ke 1\nillum 3", "a.mtl:3: illum 3 to 7 of 1 material is ignored: what emits (Ke) reflects diffusely"),
         (
             "illum 9",
             "a.mtl:2: illum 8, 9 or 10 of 1 material is not supported: the surface is opaque and matte (glass has illum 4, 6 or 7)",
@@ -349,4 +350,15 @@ fn a_bare_obj_says_what_it_takes_for_granted() {
     // What it lights may be seen.
     let lit = format!("{}usemtl\nf 1 2 3\n", lamp.replace("1 2 3 4", "4 3 2 1"));
     assert!(notes(&lit).1.is_empty());
+}
+
+/// A smoothing group asks for normals that the file does not have.
+#[test]
+fn smoothing_groups_without_normals_are_told() {
+    let square = |group: &str, face: &str| load(SQUARE.replace("f 1 2 3 4", &format!("{group}\n{face}")).as_bytes()).1;
+    for (group, face) in [("s off", "f 1 2 3 4"), ("s 0", "f 1 2 3 4"), ("s 1\nvn 0 0 1", "f 1//1 2//1 3//1")] {
+        assert_eq!(square(group, face), [] as [&str; 0], "{group}");
+    }
+    let text = "faces without normals (vn) are flat, though a smoothing group (s) is on (the first is here)";
+    assert_eq!(square("s 1", "f 1 2 3 4\ns off\nf 1 2 3"), [format!("a.obj:6: 1 {text}")]);
 }

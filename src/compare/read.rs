@@ -1,9 +1,9 @@
 //! OpenEXR files of any renderer: layers and channels to a picture of linear radiance.
 //!
 //! Comes in: a path and, where the file has several pictures, the name of one. Goes out: an [`ExrPicture`]. Layers may
-//! be parts of the file (`beauty`) or prefixes of channel names (`ViewLayer.Combined.R`, `Ci.r`), also empty ones (`.R`);
-//! channels are R, G, B in either case; samples may be half, float or unsigned. Refused by name: subsampled channels,
-//! deep data, a file without R, G and B or Y.
+//! be parts of the file (`beauty`) or prefixes of channel names (`ViewLayer.Combined.R`, `Ci.r`), also empty ones
+//! (`.R`); channels are R, G, B in either case; samples may be half, float or unsigned. Refused by name: subsampled
+//! channels, deep data, a file without R, G and B or Y.
 
 use std::collections::BTreeMap;
 use std::fmt;

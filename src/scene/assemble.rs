@@ -10,10 +10,8 @@ use std::path::{Path, PathBuf};
 use glam::{DVec2, DVec3};
 
 use super::batches::in_batches;
-use super::library::{FoundMaterial, Libraries, Library};
+use super::library::{Libraries, Library};
 use super::looks::Looks;
-use super::mtl_scan::MtlMaterial;
-use super::nearest::known_names;
 use super::need::Need;
 use super::obj_mesh::{ObjMesh, ObjTriangle};
 use super::placement::{Materials, PlacedPart, overflow};
@@ -21,7 +19,6 @@ use super::recipe::Recipe;
 use super::refusals::Refusals;
 use super::scene_file::{MaterialEntry, MeshEntry};
 use super::source_text::{Folders, Named, check_memory};
-use super::statements::bare_name;
 use super::warnings::Warnings;
 use crate::interface::NO_INDEX;
 use crate::quote::{self, quoted};
@@ -106,41 +103,38 @@ pub(super) fn assemble_bare(path: &Path) -> Result<RawScene> {
     Ok(assembly.finish())
 }
 
-/// Names that are looked for among all that are defined; of others, among as many.
-const SEARCHES: usize = 32;
-
 /// What placing the meshes has led to so far.
-struct Assembly<'a> {
-    path: &'a Path,
-    materials: &'a [MaterialEntry],
+pub(super) struct Assembly<'a> {
+    pub(super) path: &'a Path,
+    pub(super) materials: &'a [MaterialEntry],
     /// Place of each name in `materials`.
-    material_of_name: HashMap<&'a str, usize>,
-    raw: RawScene,
+    pub(super) material_of_name: HashMap<&'a str, usize>,
+    pub(super) raw: RawScene,
     /// OBJ files, in the order in which the meshes name them.
-    sources: Vec<Source>,
-    source_of_path: HashMap<PathBuf, usize>,
-    looks: Looks,
+    pub(super) sources: Vec<Source>,
+    pub(super) source_of_path: HashMap<PathBuf, usize>,
+    pub(super) looks: Looks,
     /// Materials that were looked at: number of the MTL file, none for the scene's own, and line.
-    looked_at: HashSet<(Option<usize>, usize)>,
+    pub(super) looked_at: HashSet<(Option<usize>, usize)>,
     /// Names that were looked for among all others: of more than are told, it would take long.
-    searched: usize,
+    pub(super) searched: usize,
     /// OBJ files that were refused, with what they need.
-    refused: HashSet<PathBuf>,
-    folders: Folders,
-    libraries: Libraries,
-    named: Named,
+    pub(super) refused: HashSet<PathBuf>,
+    pub(super) folders: Folders,
+    pub(super) libraries: Libraries,
+    pub(super) named: Named,
     /// Index of a material by the OBJ file it belongs to (none for the scene's own) and its name.
-    index: HashMap<(Option<usize>, String), u32>,
-    touched: HashSet<&'a str>,
+    pub(super) index: HashMap<(Option<usize>, String), u32>,
+    pub(super) touched: HashSet<&'a str>,
 }
 
 /// An OBJ file.
-struct Source {
-    mesh: ObjMesh,
+pub(super) struct Source {
+    pub(super) mesh: ObjMesh,
     /// The MTL files that it names, where they were needed.
-    library: Option<Library>,
+    pub(super) library: Option<Library>,
     /// Material of each part, once a mesh has asked for them.
-    materials: Option<Vec<u32>>,
+    pub(super) materials: Option<Vec<u32>>,
 }
 
 impl<'a> Assembly<'a> {
@@ -245,14 +239,6 @@ impl<'a> Assembly<'a> {
         refusals.finish()
     }
 
-    /// Materials of a mesh; those of a file's parts are to be put back.
-    fn materials_of(&mut self, entry: &MeshEntry, file: usize) -> Result<Materials> {
-        Ok(match &entry.material {
-            Some((name, line)) => Materials::Whole(self.whole_mesh_material(name, *line, file)?),
-            None => Materials::Parts(self.take_part_materials(file)?),
-        })
-    }
-
     fn put_back(&mut self, file: usize, materials: Materials) {
         if let Materials::Parts(materials) = materials {
             self.sources[file].materials = Some(materials);
@@ -270,25 +256,6 @@ impl<'a> Assembly<'a> {
             }
         }
         Ok(0)
-    }
-
-    /// Materials of a file's parts, looked up once; taken from the file while they are used.
-    fn take_part_materials(&mut self, file: usize) -> Result<Vec<u32>> {
-        if let Some(materials) = self.sources[file].materials.take() {
-            return Ok(materials);
-        }
-        let count = self.sources[file].mesh.parts.len();
-        let mut materials = Vec::with_capacity(count);
-        let mut refusals = Refusals::default();
-        for part in 0..count {
-            let of = &self.sources[file].mesh.parts[part];
-            // The part of faces without a material always is there; others may be what the scene changes.
-            let unused = of.faces == 0 && of.name.is_empty();
-            let material = if unused { Some(0) } else { refusals.keep(self.part_material(file, part)) };
-            materials.push(material.unwrap_or(0));
-        }
-        refusals.finish()?;
-        Ok(materials)
     }
 
     fn place(&mut self, entry: &MeshEntry, file: usize, materials: &Materials) -> Result<()> {
@@ -323,97 +290,4 @@ impl<'a> Assembly<'a> {
         }
         Ok(())
     }
-
-    /// The material that a `[[mesh]]` names for all its faces: the scene's own, or else the MTL file's.
-    fn whole_mesh_material(&mut self, name: &str, line: usize, file: usize) -> Result<u32> {
-        if let Some(&material) = self.material_of_name.get(name) {
-            let entry = &self.materials[material];
-            let mut recipe = Recipe::default();
-            entry.apply(&mut recipe);
-            self.touched.insert(&entry.name);
-            look_at(&mut self.looks, &mut self.looked_at, self.path, None, Some(entry), &recipe)?;
-            return Ok(self.material((None, name.to_owned()), recipe));
-        }
-        let key = (Some(file), name.to_owned());
-        if let Some(&known) = self.index.get(&key) {
-            return Ok(known);
-        }
-        let library = self.sources[file].library.as_ref();
-        let found = library.and_then(|library| self.libraries.find(library, name, &mut self.raw.warnings));
-        if let Some(found) = found {
-            let recipe = found.material.recipe.clone();
-            look_at(&mut self.looks, &mut self.looked_at, self.path, Some(found), None, &recipe)?;
-            return Ok(self.material(key, recipe));
-        }
-        self.searched += 1;
-        let looked_at = if self.searched <= SEARCHES { usize::MAX } else { SEARCHES };
-        let library = self.sources[file].library.as_ref();
-        let names = self.known_names(library).take(looked_at);
-        let known = known_names(name, names, "the nearest that is defined is", "defined are");
-        let allowed = known.unwrap_or_else(|| "none is defined by [material.NAME] or the mesh's MTL file".to_owned());
-        Err(Error::scene(self.path, line, format!("material {}: no such material; {allowed}", quoted(name))))
-    }
-
-    /// Names of the scene's materials and of those in the MTL files.
-    fn known_names<'b>(&'b self, library: Option<&'b Library>) -> impl Iterator<Item = &'b str> {
-        let of_scene = self.materials.iter().map(|material| material.name.as_str());
-        of_scene.chain(library.into_iter().flat_map(|library| self.libraries.names(library)))
-    }
-
-    /// The material of one part of an OBJ file, as MTL file and scene define it together. Where neither does, a warning
-    /// and the format's own.
-    fn part_material(&mut self, file: usize, part: usize) -> Result<u32> {
-        let source = &self.sources[file];
-        let part = &source.mesh.parts[part];
-        let library = source.library.as_ref();
-        let found = library.and_then(|library| self.libraries.find(library, &part.name, &mut self.raw.warnings));
-        let of_scene = |name: &str| self.material_of_name.get(name).map(|&material| &self.materials[material]);
-        let changed = of_scene(&part.name).or_else(|| of_scene(bare_name(&part.name)));
-        if found.is_none() && changed.is_none() && !part.name.is_empty() && part.faces > 0 {
-            let mut warnings = std::mem::take(&mut self.raw.warnings);
-            let known = || self.known_names(source.library.as_ref());
-            warnings.add("materials that are not there", || source.mesh.missing_material(part, known()));
-            self.raw.warnings = warnings;
-        }
-        let mut recipe = found.as_ref().map(|found| found.material.recipe.clone()).unwrap_or_default();
-        if let Some(entry) = changed {
-            entry.apply(&mut recipe);
-            self.touched.insert(&entry.name);
-        }
-        if part.faces > 0 {
-            look_at(&mut self.looks, &mut self.looked_at, self.path, found, changed, &recipe)?;
-        }
-        let key = (Some(file), part.name.clone());
-        Ok(self.material(key, recipe))
-    }
-
-    fn material(&mut self, key: (Option<usize>, String), recipe: Recipe) -> u32 {
-        let materials = &mut self.raw.materials;
-        let name = key.1.clone();
-        *self.index.entry(key).or_insert_with(|| {
-            materials.push((name, recipe));
-            (materials.len() - 1) as u32
-        })
-    }
-}
-
-/// Looks at a material that faces use, unless it was looked at before.
-fn look_at(
-    looks: &mut Looks,
-    looked_at: &mut HashSet<(Option<usize>, usize)>,
-    scene: &Path,
-    found: Option<FoundMaterial>,
-    changed: Option<&MaterialEntry>,
-    recipe: &Recipe,
-) -> Result<()> {
-    let nothing = MtlMaterial::default();
-    let (file, path, stated) = match &found {
-        Some(found) => (Some(found.file), found.path, found.material),
-        None => (None, scene, &nothing),
-    };
-    let line = if found.is_some() { stated.line } else { changed.map_or(0, |entry| entry.line) };
-    if !looked_at.insert((file, line)) {
-        return Ok(());
-    }
-    looks.add(scene, path, stated, recipe, |quantity| changed.is_some_and(|entry| entry.changes(quantity)))
 }

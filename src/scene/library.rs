@@ -1,8 +1,8 @@
 //! The MTL files of a scene, each read once, and which of them an OBJ file names.
 //!
-//! Comes in: the names in `mtllib` statements. Goes out: materials by name; a file that is not there is a warning. A name is looked up in one table of all
-//! files, so neither many files nor many materials make a look-up longer than the shorter of two lists: the files that
-//! define the name, and the files that the OBJ file names.
+//! Comes in: the names in `mtllib` statements. Goes out: materials by name; a file that is not there is a warning. A
+//! name is looked up in one table of all files, so neither many files nor many materials make a look-up longer than the
+//! shorter of two lists: the files that define the name, and the files that the OBJ file names.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

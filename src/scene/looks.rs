@@ -1,9 +1,9 @@
 //! What of a material's look cannot be shown, said once for all materials that faces use.
 //!
-//! Comes in: the materials of a scene, each as its file states it and with what the scene changes. Goes out: refusals of
-//! values that the look hangs on, and a warning of each kind of look that is left out, with how many materials have it.
-//! Values that change nothing (`Ks 0 0 0`, `d 1`, `Tf 1 1 1`) are not told of, nor those that an illumination model does
-//! not show (`Ks` under `illum 1`).
+//! Comes in: the materials of a scene, each as its file states it and with what the scene changes. Goes out: refusals
+//! of values that the look hangs on, and a warning of each kind of look that is left out, with how many materials have
+//! it. Values that change nothing (`Ks 0 0 0`, `d 1`, `Tf 1 1 1`) are not told of, nor those that an illumination model
+//! does not show (`Ks` under `illum 1`).
 
 use std::path::Path;
 
@@ -16,13 +16,14 @@ use crate::quote::{self, quoted};
 use crate::{Error, Result};
 
 /// Kinds of what is left out: what, of what, and why.
-const KINDS: [[&str; 2]; 8] = [
+const KINDS: [[&str; 2]; 9] = [
     ["Ks and Ns of", "ignored: there are no glossy surfaces yet"],
     ["d (or Tr) of", "ignored: see-through is only glass (illum 4, 6 or 7)"],
     ["Kd of", "ignored: a mirror (illum 3 or 5) reflects by its Ks alone"],
     ["Kd, Ks or Tf of", "ignored: glass (illum 4, 6 or 7) is clear and uncoloured"],
     ["Tf of", "ignored: what is opaque filters no light; glass has illum 4, 6 or 7 and Ni above 1"],
     ["illum 8, 9 or 10 of", "not supported: the surface is opaque and matte (glass has illum 4, 6 or 7)"],
+    ["illum 3 to 7 of", "ignored: what emits (Ke) reflects diffusely"],
     ["spectral or xyz colours of", "not supported: their defaults are taken"],
     ["values of", "less than 1e-4 out of range: the nearest in range are taken"],
 ];
@@ -115,6 +116,7 @@ fn left_out(
     let kind = recipe.kind();
     let (mirror, glass) = (matches!(kind, MaterialKind::Mirror { .. }), matches!(kind, MaterialKind::Glass { .. }));
     let matte = !mirror && !glass;
+    let lamp = differs(recipe.ke, 0.0);
     let glossy = is_stated(Quantity::Ks) && differs(recipe.ks, 0.0);
     let coloured = is_stated(Quantity::Kd) && differs(recipe.kd, 0.0);
     let filters = is_stated(Quantity::Tf) && differs(recipe.tf, 1.0);
@@ -143,6 +145,7 @@ fn left_out(
         in_glass.map(Cause::Quantity),
         (filters && matte && matches!(recipe.illum, 4 | 6 | 7 | 9)).then_some(Quantity::Tf).map(Cause::Quantity),
         (model && is_stated(Quantity::Illum)).then_some(Quantity::Illum).map(Cause::Quantity),
+        (lamp && matches!(recipe.illum, 3..=7)).then_some(Quantity::Illum).map(Cause::Quantity),
         stated.forms.first().copied().map(Cause::Line),
         rounded.map(|(_, line)| *line).map(Cause::Line),
     ]

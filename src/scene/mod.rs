@@ -9,13 +9,17 @@
 //! scene_file (toml_source, toml_table) what a .toml scene says, with lines
 //! refusals                             all that is wrong in a file, told at once
 //! foreign                              other formats, and how they become readable
-//! obj_scan, mtl_scan (recipe, number)  own every refusal of OBJ and MTL; census says what memory they ask for
-//!   → obj_mesh, library                tobj builds triangles in file order; the MTL files, each read once
-//!   → assemble (need, placement)       meshes placed by their transforms, materials by name, f64
+//! source_text (statements)             the text of OBJ and MTL files, a line a statement
+//! obj_scan (obj_points, polygon)       own every refusal of OBJ and MTL; census says what memory they ask for
+//! mtl_scan (recipe, number)
+//!   → obj_mesh, library                tobj builds triangles in file order; the MTL files, found and read once each
+//!   → assemble (need, placement)       meshes placed by their transforms, f64
+//!     assigned (looks)                 materials by name, and what of their looks is left out
 //!   → normalise                        scaled units, f32
 //! ```
 
 mod assemble;
+mod assigned;
 mod batches;
 pub mod camera;
 mod census;

@@ -21,7 +21,7 @@ pub(super) fn parse_number(word: &str) -> std::result::Result<f64, String> {
 /// compute: `nan`, `-nan(ind)`, `inf`, `1.#IND`, `1e400`.
 pub(super) fn is_not_finite(word: &str) -> bool {
     if let Ok(value) = word.parse::<f64>() {
-        return !(value.abs() <= MAX_MAGNITUDE);
+        return value.is_nan() || value.abs() > MAX_MAGNITUDE;
     }
     let word = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
     let digits = word.trim_start_matches(|letter: char| letter.is_ascii_digit());

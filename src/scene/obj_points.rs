@@ -1,8 +1,8 @@
 //! The positions, texture coordinates and normals of an OBJ file, read before its faces: a face may stand above them.
 //!
-//! Comes in: the text of an OBJ file. Goes out: [`Points`], in canonical text for `tobj` and, as far as faces are looked
-//! at, in memory. A number that is none (`nan`, `1.#IND`, `1e400`) is refused where the picture hangs on it: in the
-//! position of a corner. A texture coordinate is 0 then, a normal has no length.
+//! Comes in: the text of an OBJ file. Goes out: [`Points`], in canonical text for `tobj` and, as far as faces are
+//! looked at, in memory. A number that is none (`nan`, `1.#IND`, `1e400`) is refused where the picture hangs on it: in
+//! the position of a corner. A texture coordinate is 0 then, a normal has no length.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -1,9 +1,9 @@
 //! A line scan of an OBJ file that owns every refusal: `tobj` gives no line numbers, and has holes.
 //!
-//! Comes in: the text of an OBJ file. Goes out: an [`ObjScan`], whose canonical text holds nothing but checked `v`, `vt`,
-//! `vn`, `f` and numbered `usemtl` lines, points before faces, so that none of `tobj`'s habits (triangles made of `l`,
-//! names cut at a tab, vertex colours out of step, normals that a corner does not have taken from another) can be met.
-//! What reads the canonical text may assume that every index is in range.
+//! Comes in: the text of an OBJ file. Goes out: an [`ObjScan`], whose canonical text holds nothing but checked `v`,
+//! `vt`, `vn`, `f` and numbered `usemtl` lines, points before faces, so that none of `tobj`'s habits (triangles made of
+//! `l`, names cut at a tab, vertex colours out of step, normals that a corner does not have taken from another) can be
+//! met. What reads the canonical text may assume that every index is in range.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -19,22 +19,8 @@ use super::warnings::{Tally, Warnings};
 use crate::{Error, Result};
 
 /// Statements of the OBJ format that say nothing about the surface of polygons.
-const SILENT: [&str; 14] = [
-    "o",
-    "g",
-    "s",
-    "l",
-    "p",
-    "mg",
-    "bevel",
-    "c_interp",
-    "d_interp",
-    "lod",
-    "maplib",
-    "usemap",
-    "shadow_obj",
-    "trace_obj",
-];
+const SILENT: [&str; 13] =
+    ["o", "g", "l", "p", "mg", "bevel", "c_interp", "d_interp", "lod", "maplib", "usemap", "shadow_obj", "trace_obj"];
 
 /// Longest corner that is written anew, in bytes: three indices of ten digits.
 const MAX_CORNER_BYTES: usize = 33;
@@ -89,6 +75,8 @@ pub(super) fn scan(path: &Path, text: &str, census: &Census, warnings: &mut Warn
         bent: Tally::default(),
         overlapping: Tally::default(),
         nameless: Tally::default(),
+        smoothing: false,
+        smoothed: Tally::default(),
     };
     for (line, number) in text.lines().zip(1..) {
         if let Err((line, message)) = scanner.statement(line, number) {
@@ -122,6 +110,9 @@ struct Scanner<'a> {
     bent: Tally,
     overlapping: Tally,
     nameless: Tally,
+    /// Whether a smoothing group is on, and faces of such that have no normals.
+    smoothing: bool,
+    smoothed: Tally,
 }
 
 impl<'a> Scanner<'a> {
@@ -134,6 +125,7 @@ impl<'a> Scanner<'a> {
             "vn" => self.above[2] += 1,
             // In the first version of the format, a face was "fo".
             "f" | "fo" => return self.face(words, keyword, number),
+            "s" => self.smoothing = !matches!(words.next(), None | Some("off" | "0")),
             "usemtl" => return self.use_material(rest(line, keyword), number).map_err(|message| (None, message)),
             "mtllib" => match rest(line, keyword) {
                 "" => self.nameless.add(number, ""),
@@ -191,6 +183,9 @@ impl<'a> Scanner<'a> {
     /// Writes the face at hand: as it is where a fan covers it, else as triangles.
     fn write_face(&mut self, line: usize) -> std::result::Result<(), String> {
         let smooth = self.points.normals > 0 && self.corners.iter().all(|corner| corner.normal.is_some());
+        if self.smoothing && !smooth {
+            self.smoothed.add(line, "");
+        }
         let mapped = smooth && self.corners.iter().all(|corner| corner.uv.is_some());
         // What a file has normals for must be said of every corner; those of corners without stand behind the others.
         let (no_uv, no_normal) = (self.points.uvs, self.points.normals);
@@ -286,6 +281,12 @@ impl<'a> Scanner<'a> {
             "polygons that cross themselves",
             "{n} polygons cross themselves or have too many corners, and the fans they were split into overlap \
              (the first is here)",
+        );
+        self.smoothed.warn(
+            path,
+            warnings,
+            "smoothing groups",
+            "{n} faces without normals (vn) are flat, though a smoothing group (s) is on (the first is here)",
         );
         self.points.warn(path, warnings);
         let (points, faces) = (self.points.canonical, self.faces);

@@ -1,7 +1,7 @@
 //! A material as MTL statements or a `[material.NAME]` table state it, in the file's units.
 //!
-//! Comes in: the words of one statement, or the number or numbers of one key. Goes out: a [`Recipe`] whose values are in
-//! range, and from it the kind of material that the rule of the scene contract makes of it.
+//! Comes in: the words of one statement, or the number or numbers of one key. Goes out: a [`Recipe`] whose values are
+//! in range, and from it the kind of material that the rule of the scene contract makes of it.
 
 use super::material::MaterialKind;
 use super::number::parse_number;
@@ -157,8 +157,8 @@ impl Quantity {
         Ok(())
     }
 
-    /// Sets the quantity from the words of an MTL statement, one of which may stand for three. Goes out: whether a value
-    /// was a rounding out of range. Where it is refused, it stays as it was.
+    /// Sets the quantity from the words of an MTL statement, one of which may stand for three. Goes out: whether a
+    /// value was a rounding out of range. Where it is refused, it stays as it was.
     pub(super) fn set_stated(
         self,
         recipe: &mut Recipe,

@@ -83,6 +83,7 @@ pub(super) fn decode(path: &Path, mut bytes: Vec<u8>) -> Result<String> {
         return Err(Error::scene(path, 0, "the file is UTF-16; allowed is UTF-8 text"));
     }
     cut_filling(&mut bytes);
+    end_lines(&mut bytes);
     check_bytes(path, &bytes)?;
     let mut text = match String::from_utf8(bytes) {
         Ok(text) => text,
