@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
-# Counts the instructions that a path takes in lavapipe's code, under valgrind, where no neighbour and no clock has a say.
+# Counts the instructions that a path takes in lavapipe's code, under valgrind, where no neighbour and no clock has a
+# say.
 #
 #   tests/count.sh [-p PROGRAM] [-r REPEATS] [-s WIDTHxHEIGHT] SCENE ...
 #
-# Comes in: scenes; valgrind, and lavapipe as the device that is picked by itself; PROGRAM, a build of examples/count_paths.rs (default:
-# that of this checkout, which is built first; another checkout's is built there with `cargo build --release --example count_paths`).
-# Goes out: a line a scene and repeat, paths and instructions per path, which is the difference of 32 and 16 samples over the
-# paths between them; then the least and the most of the repeats. Only code that the driver made is counted, none of the
-# compiler's nor of the host's: callgrind books it under the object `???`. Valgrind knows no AVX-512, so it is AVX2's on every
-# machine; figures compare on one machine and one Mesa.
+# Comes in: scenes; valgrind, and lavapipe as the device that is picked by itself; PROGRAM, a build of
+# examples/count_paths.rs (default: that of this checkout, which is built first; another checkout's is built there with
+# `cargo build --release --example count_paths`). Goes out: a line a scene and repeat, paths and instructions per path,
+# which is the difference of 32 and 16 samples over the paths between them; then the least and the most of the repeats.
+# Only code that the driver made is counted, none of the compiler's nor of the host's: callgrind books it under the
+# object `???`. Valgrind knows no AVX-512, so it is AVX2's on every machine; figures compare on one machine and one
+# Mesa.
 set -euo pipefail
 
 fail() {
@@ -40,8 +42,8 @@ fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Own cost of the lines of one object. A number in brackets stands for a name once it has been given; the line after `calls=` is what
-# the called function cost.
+# Own cost of the lines of one object. A number in brackets stands for a name once it has been given; the line after
+# `calls=` is what the called function cost.
 sum_of_unnamed='
 /^c?ob=/ {
     match($0, /\([0-9]+\)/)

@@ -17,7 +17,7 @@ use crate::interface::*;
 use crate::render::Rendered;
 use crate::render::effects::Effects;
 use crate::render::ending::EstimateClock;
-use crate::render::kernel::{Constants, Dispatch};
+use crate::render::kernel::{self, Dispatch};
 use crate::render::pace::{Pace, RunLength};
 use crate::render::pass::{Pass, Slice};
 use crate::render::report::{Bytes, Observer, Progress, RenderReport, StopReason};
@@ -33,7 +33,8 @@ pub struct Renderer {
     pub(super) context: Context,
     pub(super) settings: Settings,
     pub(super) effects: Effects,
-    pub(super) constants: Constants,
+    /// Replicates of the film.
+    pub(super) replicates: u32,
     pub(super) pipeline: Arc<ComputePipeline>,
     pub(super) bind_group: Arc<BindGroup>,
     pub(super) tiles: Vec<Tile>,
@@ -188,7 +189,8 @@ impl Renderer {
         recorder.barrier(Barrier::TransferToCompute)?;
         // The last frame's shader has written the path states, lists and sums that this one reads.
         recorder.barrier(Barrier::ComputeToCompute)?;
-        recorder.dispatch(&self.pipeline, &self.bind_group, &self.constants.push(dispatch), dispatch.groups())?;
+        let push = kernel::push(dispatch, self.replicates);
+        recorder.dispatch(&self.pipeline, &self.bind_group, &push.bytes(), dispatch.groups())?;
         let why = "unfinished paths and counts of a frame";
         self.counter_readback.copy_from(&mut recorder, &mut self.ledger, &self.counters, 0, 0, COUNTER_BYTES, why)?;
         recorder.submit()
@@ -267,7 +269,7 @@ impl Renderer {
             *self.report.invalid_samples.entry(cause).or_default() += count(counter);
         }
         let end = first + samples;
-        let replicate = replicate_of_block(first / BLOCK_SAMPLES, self.constants.replicates);
+        let replicate = replicate_of_block(first / BLOCK_SAMPLES, self.replicates);
         let whole = [0, 0, self.film.width(), self.film.height()];
         if end.is_multiple_of(BLOCK_SAMPLES) {
             self.film.add_block(replicate, whole, &self.run_sums)?;
@@ -306,9 +308,3 @@ impl Renderer {
         });
     }
 }
-
-/// Kinds of invalid samples by name, in the order of `interface::INVALID_NAN` and its fellows.
-pub(super) const INVALID_KIND_NAMES: [&str; INVALID_KINDS as usize] = ["nan", "infinite", "negative"];
-/// Causes of invalid samples by name, in the order of `interface::CAUSE_SUM` and its fellows.
-pub(super) const CAUSE_NAMES: [&str; CAUSES as usize] =
-    ["sum", "camera", "emission", "sky", "light", "lambert", "mirror", "glass"];

@@ -13,8 +13,8 @@ use crate::interface::*;
 use crate::memory::filled;
 use crate::render::effects::Effects;
 use crate::render::ending::EstimateClock;
-use crate::render::frames::{CAUSE_NAMES, COUNTER_BYTES, INVALID_KIND_NAMES, Renderer};
-use crate::render::kernel::{self, Constants, ReadAs};
+use crate::render::frames::{COUNTER_BYTES, Renderer};
+use crate::render::kernel::{self, ReadAs};
 use crate::render::pace::{self, Pace, RunLength};
 use crate::render::path_buffers::PathBuffers;
 use crate::render::report::{Bytes, RenderReport, StageSeconds, StopReason};
@@ -56,7 +56,7 @@ impl Renderer {
             true => settings.buffers,
             false => Buffers::Storage,
         };
-        let gpu_scene = GpuScene::upload(context, &data, buffers, &mut ledger)?;
+        let gpu_scene = GpuScene::upload(context, &data, &constants(scene, settings, &data), buffers, &mut ledger)?;
         seconds.upload = start.elapsed().as_secs_f64();
 
         let stack_entries = kernel::padded_stack_entries(&accel);
@@ -96,7 +96,7 @@ impl Renderer {
         let bind_group = BindGroup::new(&pipeline, &resources)?;
         let readback = |name| Readback::new(context, name, tile_pixels * SUM_BYTES);
         Ok(Renderer {
-            constants: constants(scene, settings, &data, replicates),
+            replicates,
             report: empty_report(&effects, seconds, read_as, tree),
             context: context.clone(),
             settings: settings.clone(),
@@ -134,17 +134,20 @@ fn tile_size(context: &Context, settings: &Settings, stack_entries: u32) -> Resu
     tiles::largest_tile(width, height, stack_entries, in_one_buffer, memory)
 }
 
-fn constants(scene: &Scene, settings: &Settings, data: &TexelData, replicates: u32) -> Constants {
+fn constants(scene: &Scene, settings: &Settings, data: &TexelData) -> RenderConstants {
     let mut state = settings.seed;
     let mixed = splitmix64(&mut state);
-    Constants {
-        triangles: data.triangle_count,
-        lights: data.light_count,
-        max_bounces: settings.max_bounces,
-        replicates,
-        seed: [mixed as u32, (mixed >> 32) as u32],
+    let [sky_r, sky_g, sky_b] = scene.sky.unwrap_or_default();
+    RenderConstants {
+        sky_r,
+        sky_g,
+        sky_b,
         roulette_p: kernel::roulette_value(settings.roulette).1,
-        sky: scene.sky.unwrap_or_default(),
+        triangle_count: data.triangle_count,
+        light_count: data.light_count,
+        max_bounces: settings.max_bounces,
+        seed_low: mixed as u32,
+        seed_high: (mixed >> 32) as u32,
     }
 }
 

@@ -22,6 +22,7 @@ use super::source_text::quoted;
 use super::toml_table::{Entry, Table, parse};
 use super::transform::{Transform, rotation};
 use super::{Camera, FilmSettings, Filter, RenderDefaults, foreign_format};
+use crate::interface::{MAX_BOUNCES, MAX_SIDE};
 use crate::{Error, Result};
 
 /// A scene file.
@@ -171,7 +172,7 @@ fn checked_camera(table: &Table, camera: Camera) -> Result<Camera> {
 
 fn read_film(entry: &Entry, refusals: &mut Refusals) -> Option<FilmSettings> {
     let table = open(entry, "[film]", &["width", "height", "filter"], &[], refusals)?;
-    let size = |key, default| table.get(key).map_or(Ok(default), |entry| entry.integer(1, 16384));
+    let size = |key, default| table.get(key).map_or(Ok(default), |entry| entry.integer(1, MAX_SIDE));
     let (width, height) = (size("width", DEFAULT_FILM.width), size("height", DEFAULT_FILM.height));
     let (width, height) = (refusals.keep(width), refusals.keep(height));
     let filter = table.get("filter").map_or(Ok(DEFAULT_FILM.filter), |entry| read_filter(&entry));
@@ -192,7 +193,7 @@ fn read_filter(entry: &Entry) -> Result<Filter> {
 fn read_render(entry: &Entry, refusals: &mut Refusals) -> Option<RenderDefaults> {
     let table = open(entry, "[render]", &["spp", "max_bounces"], &[], refusals)?;
     let value = |key, most| table.get(key).map(|entry| entry.integer(1, most)).transpose();
-    let (spp, max_bounces) = (refusals.keep(value("spp", u32::MAX)), refusals.keep(value("max_bounces", 65535)));
+    let (spp, max_bounces) = (refusals.keep(value("spp", u32::MAX)), refusals.keep(value("max_bounces", MAX_BOUNCES)));
     Some(RenderDefaults { spp: spp?, max_bounces: max_bounces? })
 }
 
