@@ -1,8 +1,9 @@
 //! Writes `interface.glsl` from `src/interface.rs`, then compiles each `glsl/*.comp` to SPIR-V with the glslang binary.
 //!
 //! Comes in: the contract, the shader sources, and a glslang found in `GLSLANG` or on `PATH`. Goes out, all in
-//! `OUT_DIR`: `interface.glsl`, one `.spv` a module, and `shaders.rs`, one `pub static NAME: ShaderModule` a module. A
-//! shader that does not compile stops the build and shows the compiler's own message.
+//! `OUT_DIR`: the contract's headers (`interface.glsl` and its fellows), one `.spv` a module, and `shaders.rs`, one
+//! `pub static NAME: ShaderModule` a module. A shader that does not compile stops the build and shows the compiler's
+//! own message.
 
 use std::collections::BTreeSet;
 use std::env;
@@ -19,7 +20,8 @@ mod interface;
 /// Modules that do not follow the rule 'one source, one module of its name, no defines': module, source, defines. A
 /// source named here is built only as listed. A specialisation constant is preferred wherever it can do the job; a
 /// define is needed for what no constant can take away: declared capabilities (`SUBGROUP_BALLOT`), execution modes
-/// (`KEEP_NAN`), decorations (`PRECISE`), and a header that stands in for another (`FUSED_EDGES`). The last two are for tests.
+/// (`KEEP_NAN`), decorations (`PRECISE`), and a header that stands in for another (`FUSED_EDGES`). The last two are for
+/// tests.
 const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("path_trace", "path_trace.comp", &["SUBGROUP_BALLOT=1", "KEEP_NAN=0"]),
     ("path_trace_keep_nan", "path_trace.comp", &["SUBGROUP_BALLOT=1", "KEEP_NAN=1"]),
@@ -59,11 +61,16 @@ fn run() -> Step<()> {
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("cargo sets OUT_DIR for build scripts")?);
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rerun-if-changed=src/interface.rs");
+    println!("cargo:rerun-if-changed=src/interface");
     // The folder itself, so that a new file is noticed; cargo looks at every file below it.
     println!("cargo:rerun-if-changed=glsl");
     println!("cargo:rerun-if-env-changed=GLSLANG");
 
     write(&out.join("interface.glsl"), &interface_glsl()?)?;
+    write(&out.join("record_buffers.glsl"), &record_buffers_glsl())?;
+    write(&out.join("effect_switches.glsl"), &effect_switches_glsl())?;
+    write(&out.join("push.glsl"), &push_glsl())?;
+    write(&out.join("constants.glsl"), &constants_glsl())?;
     let compiler = find_compiler()?;
     let mut inputs = BTreeSet::new();
     let mut shaders = String::new();
@@ -78,24 +85,72 @@ fn run() -> Step<()> {
     Ok(())
 }
 
+/// A generated header: what stands in it, between its include guard's lines.
+fn header(name: &str, body: &str) -> String {
+    let guard = name.to_uppercase().replace('.', "_");
+    format!(
+        "// Written by build.rs from src/interface.rs, where each name is explained.\n\
+         #ifndef {guard}\n#define {guard}\n{body}#endif\n"
+    )
+}
+
 /// The contract as preprocessor lines. They are defines, not `const uint`: a define also works inside `layout(...)`,
 /// where some compilers take literals only.
 fn interface_glsl() -> Step<String> {
-    let mut text = String::from(
-        "// Written by build.rs from src/interface.rs, where each name is explained.\n\
-         #ifndef INTERFACE_GLSL\n#define INTERFACE_GLSL\n",
-    );
-    let numbers = interface::SHADER_CONSTANTS.iter().chain(interface::PUSH_CONSTANTS).copied();
+    let mut text = String::new();
+    let numbers = interface::SHADER_CONSTANTS.iter().copied().flatten().copied();
     let guards = interface::GUARDS.iter().map(|&(name, number, ..)| (name, number));
+    let numbers = numbers.chain(guards).map(|(name, value)| (name, format!("{value}u")));
+    // All digits of an f32 are those of the f64 that equals it.
+    let floats = interface::SHADER_FLOATS.iter().map(|&(name, value)| (name, format!("{:e}", f64::from(value))));
     let mut names = BTreeSet::new();
-    for (name, value) in numbers.chain(guards) {
+    for (name, value) in numbers.chain(floats) {
         if !names.insert(name) {
             return Err(format!("src/interface.rs lists {name} twice"));
         }
-        let _ = writeln!(text, "#define {name} {value}u");
+        let _ = writeln!(text, "#define {name} {value}");
     }
-    text.push_str("#endif\n");
-    Ok(text)
+    Ok(header("interface.glsl", &text))
+}
+
+/// The record buffers, by the macro of `bindings.glsl`.
+fn record_buffers_glsl() -> String {
+    let buffer = |record: &interface::Record| format!("RECORD_BUFFER({}, {}u)\n", record.glsl(), record.binding());
+    header("record_buffers.glsl", &interface::Record::ALL.iter().map(buffer).collect::<String>())
+}
+
+/// A switch for each effect: `HAS_NAME` for `EFFECT_NAME`.
+fn effect_switches_glsl() -> String {
+    let named = interface::EFFECT_NUMBERS.iter().filter_map(|(name, _)| name.strip_prefix("EFFECT_"));
+    let switch =
+        |name: &str| format!("layout(constant_id = SPEC_EFFECTS + EFFECT_{name}) const uint HAS_{name} = 1u;\n");
+    header("effect_switches.glsl", &format!("#include \"interface.glsl\"\n{}", named.map(switch).collect::<String>()))
+}
+
+/// The push constants.
+fn push_glsl() -> String {
+    let member = |&(name, kind, offset): &interface::Field| format!("    layout(offset = {offset}) {kind} {name};\n");
+    let members: String = interface::PUSH_FIELDS.iter().map(member).collect();
+    header("push.glsl", &format!("layout(push_constant) uniform Push {{\n{members}}} push;\n"))
+}
+
+/// The constants of a render, and what fetches them: words of the texels behind the camera's.
+fn constants_glsl() -> String {
+    let fields = interface::CONSTANT_FIELDS;
+    let member = |&(name, kind, _): &interface::Field| format!("    {kind} {name};\n");
+    let texel = |texel: u32| format!("    uvec4 t{texel} = camera_texel(CAMERA_TEXELS + {texel}u);\n");
+    let value = |&(_, kind, offset): &interface::Field| {
+        let lane = format!("t{}.{}", offset / 16, ["x", "y", "z", "w"][(offset / 4 % 4) as usize]);
+        if kind == "float" { format!("uintBitsToFloat({lane})") } else { lane }
+    };
+    let members: String = fields.iter().map(member).collect();
+    let texels: String = (0..interface::CONSTANT_BYTES.div_ceil(16)).map(texel).collect();
+    let values: Vec<String> = fields.iter().map(value).collect();
+    let fetch = format!("{texels}    return RenderConstants({});\n", values.join(", "));
+    header(
+        "constants.glsl",
+        &format!("struct RenderConstants {{\n{members}}};\n\nRenderConstants fetch_constants() {{\n{fetch}}}\n"),
+    )
 }
 
 /// The glslang binary: `GLSLANG` if set, else the first of its two usual names that can be started.

@@ -7,13 +7,8 @@
 
 #include "interface.glsl"
 
-// Effects of a scene (render/effects.rs decides them, design section 6).
-layout(constant_id = SPEC_EFFECTS + EFFECT_EMITTERS) const uint HAS_EMITTERS = 1u;            // next-event estimation
-layout(constant_id = SPEC_EFFECTS + EFFECT_SKY) const uint HAS_SKY = 1u;                      // one add at a miss
-layout(constant_id = SPEC_EFFECTS + EFFECT_MIRROR) const uint HAS_MIRROR = 1u;                // one branch a hit
-layout(constant_id = SPEC_EFFECTS + EFFECT_GLASS) const uint HAS_GLASS = 1u;                  // Fresnel, refraction
-layout(constant_id = SPEC_EFFECTS + EFFECT_SMOOTH_NORMALS) const uint HAS_SMOOTH_NORMALS = 1u; // four texels a hit
-layout(constant_id = SPEC_EFFECTS + EFFECT_PIXEL_FILTER) const uint HAS_PIXEL_FILTER = 1u;    // a table look-up a path
+// Effects of a scene: HAS_NAME for each (render/effects.rs decides them, design section 6).
+#include "effect_switches.glsl"
 
 // Choices of the user.
 layout(constant_id = SPEC_ACCEL) const uint ACCEL = ACCEL_WIDE;

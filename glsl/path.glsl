@@ -1,7 +1,7 @@
 // The estimator: what happens to a path between two rays.
 //
 // L(camera ray) = emission at its first hit + sum over bounces of (light sample + emission that the BSDF sample meets), each
-// pair combined by multiple importance sampling (Veach 1997). A path makes at most run.max_bounces scatterings; the
+// pair combined by multiple importance sampling (Veach 1997). A path makes at most constants.max_bounces scatterings; the
 // estimate is unbiased for that number. Cost per bounce: one extension ray, at most one shadow ray.
 //
 // `advance` is written so that each part stands once: a device that runs its lanes in step (lavapipe above all) pays for
@@ -13,39 +13,18 @@
 #include "camera.glsl"
 #include "effects.glsl"
 #include "path_state.glsl"
+#include "run.glsl"
 #include "sampling/random.glsl"
 #include "shading/bsdf.glsl"
 #include "shading/interaction.glsl"
 #include "shading/light.glsl"
 #include "shading/light_tree.glsl"
 
-// Iterations that shading may spend in loops: the search for a light among at most 2^31, or two descents of the light tree, for
-// the light that a ray met and for the next light sample, of LIGHT_TREE_LEVELS each.
-const uint SHADING_STEPS = 34u;
-
-// Steps set aside for the loops that load and save the stack and add to the counters, should a driver not unroll them: all
-// lanes of a vector run them together, 2 x 32 + 11 iterations for 8 lanes.
-const uint RESERVED_STEPS = 10u;
-
 // Counts of one invocation, added to the counters when it ends.
 struct Tally {
     uint steps, rays, paths, nodes, triangles;
-    uvec2 invalid; // Samples left out by kind, then by cause: fields of five bits, as an invocation ends at most 16 samples.
+    uint invalid; // Of the sample that was left out, 1 + kind + INVALID_KINDS * cause; 0: none was.
 };
-
-// Fields in a word of `Tally.invalid`.
-const uint INVALID_FIELDS = 6u;
-
-// Counts a sample that is left out in field `index`.
-void count_invalid(inout Tally tally, uint index) {
-    uint one = 1u << (5u * (index % INVALID_FIELDS));
-    tally.invalid += index < INVALID_FIELDS ? uvec2(one, 0u) : uvec2(0u, one);
-}
-
-uint invalid_count(Tally tally, uint index) {
-    uint word = index < INVALID_FIELDS ? tally.invalid.x : tally.invalid.y;
-    return (word >> (5u * (index % INVALID_FIELDS))) & 31u;
-}
 
 const uint INFINITY_BITS = 0x7f800000u;
 
@@ -99,7 +78,7 @@ bool survives(inout Path path, uint word) {
         precise float largest = greater(greater(path.throughput.r, path.throughput.g), path.throughput.b) * scale;
         q = guarded(GUARD_ROULETTE_RANGE) ? lesser(greater(ROULETTE_GAIN * largest, 0.05), 1.0) : ROULETTE_GAIN * largest;
     } else if (ROULETTE == ROULETTE_FIXED) {
-        q = run.roulette_p;
+        q = constants.roulette_p;
     } else {
         return true;
     }
@@ -122,7 +101,7 @@ Departure shade(inout Path path, Stream stream, inout Tally tally) {
             path.radiance = vec3(uintBitsToFloat(0x7fc00000u));
             note_cause(path, path.bounce == 0u, CAUSE_CAMERA);
         } else if (HAS_SKY != 0u) {
-            precise vec3 sum = path.radiance + path.throughput * run.sky;
+            precise vec3 sum = path.radiance + path.throughput * vec3(constants.sky_r, constants.sky_g, constants.sky_b);
             path.radiance = sum;
             note_cause(path, is_invalid(sum, MAX_SAMPLE_RADIANCE_BITS), CAUSE_SKY);
         }
@@ -132,14 +111,14 @@ Departure shade(inout Path path, Stream stream, inout Tally tally) {
     Interaction it = make_interaction(hit, wo);
     bool lambert = it.material.kind == MATERIAL_LAMBERT;
     bool emits = HAS_EMITTERS != 0u && it.pdf_area > 0.0 && it.front;
-    bool lit = HAS_EMITTERS != 0u && LIGHTS != LIGHTS_BSDF && lambert && run.light_count > 0u;
+    bool lit = HAS_EMITTERS != 0u && LIGHTS != LIGHTS_BSDF && lambert && constants.light_count > 0u;
     LightAnswer tree = LightAnswer(0u, LightChoice(0u, 0u, 1u));
     if (LIGHT_PICK == LIGHT_PICK_TREE) {
         LightQuestion question;
         question.met = emits && LIGHTS == LIGHTS_MIS && !path.specular;
         question.trail = it.light_trail;
         question.from = LitPoint(path.o, path.normal);
-        question.picks = lit && path.bounce < run.max_bounces;
+        question.picks = lit && path.bounce < constants.max_bounces;
         question.word = random_pair(stream, path.samples_done, pair_number(path.bounce + 1u, PAIR_LIGHT_POINT)).x;
         question.lit = LitPoint(spawn_origin(it, it.ng), encode_octahedral(it.ns));
         tree = ask_light_tree(question, tally.steps);
@@ -151,7 +130,7 @@ Departure shade(inout Path path, Stream stream, inout Tally tally) {
         path.radiance = sum;
         note_cause(path, is_invalid(sum, MAX_SAMPLE_RADIANCE_BITS), CAUSE_EMISSION);
     }
-    if (path.bounce >= run.max_bounces) {
+    if (path.bounce >= constants.max_bounces) {
         return departure;
     }
     path.bounce++;
@@ -215,8 +194,8 @@ void end_sample(inout Path path, inout uvec4 open_sum, inout Tally tally) {
     bool infinite = !nan && largest > MAX_SAMPLE_RADIANCE_BITS;
     bool negative = !nan && !infinite && max(max(words.x, words.y), words.z) > 0x80000000u;
     if ((nan || infinite || negative) && guarded(GUARD_INVALID_SAMPLES)) {
-        count_invalid(tally, nan ? INVALID_NAN : (infinite ? INVALID_INFINITE : INVALID_NEGATIVE));
-        count_invalid(tally, INVALID_KINDS + path.cause);
+        uint kind = nan ? INVALID_NAN : (infinite ? INVALID_INFINITE : INVALID_NEGATIVE);
+        tally.invalid = 1u + kind + INVALID_KINDS * path.cause;
     } else {
         open_sum = add_sample(open_sum, path.radiance);
     }

@@ -10,11 +10,6 @@
 #include "effects.glsl"
 #include "trace/traversal.glsl"
 
-const uint PHASE_CAMERA = 0u;    // Needs the camera ray of its next sample.
-const uint PHASE_EXTENSION = 1u; // Traces the ray that extends the path.
-const uint PHASE_SHADOW = 2u;    // Traces the ray to the light sample; the extension ray waits.
-const uint PHASE_FINISHED = 3u;  // Has no sample left in this run.
-
 struct Path {
     uint phase;            // PHASE_ value.
     bool specular;         // Whether the last bounce had no density (camera, mirror, glass): emission counts in full.
@@ -57,11 +52,11 @@ uvec4 texel_of(vec3 v, uint word) {
     return uvec4(floatBitsToUint(v), word);
 }
 
-// The first word of a state: phase in bits 0 and 1, then specular, extends, searching, the cause in bits 5 to 7, the samples done
-// from bit 8 and the stack's size from bit 16 on.
+// The first word of a state, of the fields PATH_NAME_SHIFT.
 uint pack_first(Path path) {
-    return path.phase | (path.specular ? 4u : 0u) | (path.extends ? 8u : 0u) | (path.traversal.searching ? 16u : 0u) |
-           (path.cause << 5) | (path.samples_done << 8) | (path.traversal.stack_size << 16);
+    return path.phase | (path.specular ? 1u << PATH_SPECULAR_SHIFT : 0u) | (path.extends ? 1u << PATH_EXTENDS_SHIFT : 0u) |
+           (path.traversal.searching ? 1u << PATH_SEARCHING_SHIFT : 0u) | (path.cause << PATH_CAUSE_SHIFT) |
+           (path.samples_done << PATH_SAMPLES_SHIFT) | (path.traversal.stack_size << PATH_STACK_SHIFT);
 }
 
 // Nothing is kept of a finished pixel: its next run begins anew.
@@ -104,11 +99,11 @@ Path load_path(uint pixel) {
     uvec4 search = load_texel(7u, pixel);
     uvec4 triangles = load_texel(8u, pixel);
     Path path;
-    path.phase = first.x & 3u;
-    path.specular = (first.x & 4u) != 0u;
-    path.extends = (first.x & 8u) != 0u;
-    path.cause = (first.x >> 5) & 7u;
-    path.samples_done = (first.x >> 8) & 0xffu;
+    path.phase = first.x & PATH_PHASE_MASK;
+    path.specular = (first.x & (1u << PATH_SPECULAR_SHIFT)) != 0u;
+    path.extends = (first.x & (1u << PATH_EXTENDS_SHIFT)) != 0u;
+    path.cause = (first.x >> PATH_CAUSE_SHIFT) & PATH_CAUSE_MASK;
+    path.samples_done = (first.x >> PATH_SAMPLES_SHIFT) & PATH_SAMPLES_MASK;
     path.bounce = first.y;
     path.pdf = uintBitsToFloat(first.z);
     path.eta_scale = uintBitsToFloat(first.w);
@@ -128,8 +123,8 @@ Path load_path(uint pixel) {
     traversal.triangles = triangles.xy;
     traversal.queued = triangles.zw;
     // Whatever the buffer holds, no index is past the array.
-    traversal.stack_size = min(first.x >> 16, STACK_ENTRIES);
-    traversal.searching = (first.x & 16u) != 0u;
+    traversal.stack_size = min((first.x >> PATH_STACK_SHIFT) & PATH_STACK_MASK, STACK_ENTRIES);
+    traversal.searching = (first.x & (1u << PATH_SEARCHING_SHIFT)) != 0u;
     for (uint i = 0u; i < STACK_ENTRIES / STACK_ENTRIES_A_TEXEL; i++) {
         if (i * STACK_ENTRIES_A_TEXEL < traversal.stack_size) {
             uvec4 entries = load_texel(PATH_TEXELS + i, pixel);

@@ -1,8 +1,8 @@
 // The path tracer: an invocation owns a pixel and runs its samples in order until they are done or its step budget is.
 //
-// In: the scene's records; path states, lists and open sums of the tile. Out: the latter three, and counters. One loop serves extension
-// and shadow rays; it is left when too few lanes of the subgroup still trace, so that idle lanes get new rays soon. What a
-// pixel computes depends on neither budget nor neighbours.
+// In: the scene's records; path states, lists and open sums of the tile. Out: the latter three, and counters. One loop
+// serves extension and shadow rays; it is left when too few lanes of the subgroup still trace, so that idle lanes get
+// new rays soon. What a pixel computes depends on neither budget nor neighbours.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #if SUBGROUP_BALLOT
@@ -44,8 +44,8 @@ void trace(inout Path path, uint entered, inout Tally tally) {
             tally.steps++;
             tally.nodes++;
         }
-        // In a loop, lanes without a triangle in line wait for those with. A queue lets all test one or two, and visit their next
-        // nodes before the rest (render/kernel.rs chooses). Hits do not depend on it.
+        // In a loop, lanes without a triangle in line wait for those with. A queue lets all test one or two, and visit
+        // their next nodes before the rest (render/kernel.rs chooses). Hits do not depend on it.
         if (TESTS_A_VISIT == 0u) {
             while (path.traversal.triangles.y != 0u && tally.steps < push.budget) {
                 test_next(path, ray, shadow, tally);
@@ -65,8 +65,8 @@ void trace(inout Path path, uint entered, inout Tally tally) {
     }
 }
 
-// Rays and what comes between them, until the pixel's samples are done or the budget is, or so few lanes have samples left that
-// their paths had better go on among others.
+// Rays and what comes between them, until the pixel's samples are done or the budget is, or so few lanes have samples
+// left that their paths had better go on among others.
 void run_path(inout Path path, Camera camera, Stream stream, uvec2 pixel, inout uvec4 open_sum, inout Tally tally) {
     uint began = lanes_here();
     while (tally.steps + SHADING_STEPS < push.budget) {
@@ -74,7 +74,9 @@ void run_path(inout Path path, Camera camera, Stream stream, uvec2 pixel, inout 
         if (!path.traversal.searching) {
             advance(path, camera, stream, pixel, open_sum, tally);
         }
-        if (path.phase == PHASE_FINISHED) {
+        // A sample that was left out is counted at the dispatch's end, so there is one of them at most: the next
+        // dispatch goes on.
+        if (path.phase == PHASE_FINISHED || tally.invalid != 0u) {
             break;
         }
         uint unfinished = lanes_here();
@@ -101,8 +103,8 @@ void main() {
     }
     uint tile_pixel = place.y * push.tile_width + place.x;
     uvec2 pixel = place + uvec2(push.tile_x, push.tile_y);
-    // A device that runs both sides of a branch fetches a state where a run begins, too: always the first one then, which is in its
-    // caches. (As `begins ? 0u : tile_pixel` it would be moved to where `begins` is known.)
+    // A device that runs both sides of a branch fetches a state where a run begins, too: always the first one then,
+    // which is in its caches. (As `begins ? 0u : tile_pixel` it would be moved to where `begins` is known.)
     uint loaded = tile_pixel * (1u - min(push.flags & DISPATCH_BEGINS_RUN, 1u));
 
     Path path;
@@ -120,7 +122,7 @@ void main() {
         open_sum = open_sums[tile_pixel];
     }
 
-    Tally tally = Tally(RESERVED_STEPS, 0u, 0u, 0u, 0u, uvec2(0u));
+    Tally tally = Tally(RESERVED_STEPS, 0u, 0u, 0u, 0u, 0u);
     run_path(path, fetch_camera(), make_stream(pixel.x | (pixel.y << 16)), pixel, open_sum, tally);
 
     store_path(path, tile_pixel);
@@ -136,9 +138,9 @@ void main() {
     if (stack_overflows != 0u) {
         atomicAdd(counters[COUNTER_STACK_OVERFLOW], stack_overflows);
     }
-    if ((tally.invalid.x | tally.invalid.y) != 0u) {
-        for (uint index = 0u; index < INVALID_COUNTS; index++) {
-            atomicAdd(counters[COUNTER_INVALID + index], invalid_count(tally, index));
-        }
+    if (tally.invalid != 0u) {
+        uint found = tally.invalid - 1u;
+        atomicAdd(counters[COUNTER_INVALID + found % INVALID_KINDS], 1u);
+        atomicAdd(counters[COUNTER_INVALID + INVALID_KINDS + found / INVALID_KINDS], 1u);
     }
 }

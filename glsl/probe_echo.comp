@@ -7,7 +7,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "interface.glsl"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = PROBE_WORKGROUP) in;
 
 layout(set = 0, binding = BINDING_PROBE_INPUT) uniform utextureBuffer probe_input;
 layout(set = 0, binding = BINDING_PROBE_OUTPUT, std430) writeonly buffer ProbeOutput { uvec4 probe_output[]; };

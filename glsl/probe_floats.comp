@@ -17,7 +17,7 @@
 #include "sampling/random.glsl"
 #include "trace/ray.glsl"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = PROBE_WORKGROUP) in;
 
 uvec3 unit_floats(uint first, uint count) {
     uvec3 result = uvec3(0u);

@@ -1,11 +1,12 @@
 // Probe for tests: what each record's fetch function makes of the texels that the host packed.
 //
-// In: push.flags the record's binding number, push.samples how many records. Out: eight texels a record, the fields in the
-// order of the GLSL struct, floats as bits, unused lanes zero.
+// In: push.flags the record's binding number, or RECORD_BINDINGS for the render's constants, push.samples how many
+// records. Out: eight texels a record, the fields in the order of the GLSL struct, floats as bits, unused lanes zero.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #include "bindings.glsl"
+#include "constants.glsl"
 #include "effects.glsl"
 #include "records/camera.glsl"
 #include "records/light.glsl"
@@ -15,7 +16,7 @@
 #include "records/surface.glsl"
 #include "records/triangle.glsl"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = PROBE_WORKGROUP) in;
 
 uvec3 bits(vec3 v) {
     return floatBitsToUint(v);
@@ -81,6 +82,12 @@ void main() {
         fields[1] = uvec4(bits(camera.forward), floatBitsToUint(camera.size.x));
         fields[2] = uvec4(bits(camera.right), floatBitsToUint(camera.size.y));
         fields[3] = uvec4(bits(camera.down), 0u);
+    } else if (push.flags == RECORD_BINDINGS) {
+        // No record kind: the render's constants, in the order of their list.
+        RenderConstants found = fetch_constants();
+        fields[0] = floatBitsToUint(vec4(found.sky_r, found.sky_g, found.sky_b, found.roulette_p));
+        fields[1] = uvec4(found.triangle_count, found.light_count, found.max_bounces, found.seed_low);
+        fields[2] = uvec4(found.seed_high, 0u, 0u, 0u);
     } else if (push.flags == BINDING_FILTER) {
         fields[0] = uvec4(floatBitsToUint(fetch_filter(index)), 0u, 0u, 0u);
     }

@@ -10,7 +10,7 @@
 #include "path.glsl"
 #include "probes/walk.glsl"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = PROBE_WORKGROUP) in;
 
 void main() {
     uint index = gl_GlobalInvocationID.x;

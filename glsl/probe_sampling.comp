@@ -24,7 +24,7 @@
 #include "shading/fresnel.glsl"
 #include "shading/light.glsl"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = PROBE_WORKGROUP) in;
 
 vec4 basis_errors(vec3 n) {
     vec3 s, t;

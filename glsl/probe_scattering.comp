@@ -30,7 +30,7 @@
 #include "shading/light_tree.glsl"
 #include "shading/microfacet.glsl"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = PROBE_WORKGROUP) in;
 
 const uint WEIGHTS = 64u;
 

@@ -11,7 +11,7 @@
 #include "keep_nan.glsl"
 #include "bindings.glsl"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = PROBE_WORKGROUP) in;
 
 // The test of end_sample (path.glsl).
 uint is_nan(float value) {

@@ -12,7 +12,7 @@
 #include "bindings.glsl"
 #include "path.glsl"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = PROBE_WORKGROUP) in;
 
 // The driver's limit on loops is 65,535 iterations (docs/decisions.md, budgets).
 const uint SUM_STEPS = 62500u;

@@ -4,16 +4,10 @@
 //! it first.
 
 pub use crate::bvh::{Builder, Intersector};
+pub use crate::interface::{MAX_BOUNCES, MAX_REPLICATES, MAX_SIDE};
 use crate::named::named;
 use crate::scene::{Filter, Scene};
 use crate::{Error, Result};
-
-/// Largest width and height of a picture, in pixels.
-pub const MAX_SIDE: u32 = 16384;
-/// Most surface scatterings that a path may have.
-pub const MAX_BOUNCES: u32 = 65535;
-/// Most replicates a film may have.
-pub const MAX_REPLICATES: u32 = 256;
 
 /// Settings of a render. Ranges are those stated at the fields.
 #[derive(Clone, Debug, PartialEq)]

@@ -270,3 +270,16 @@ fn odd_bit_patterns_survive() {
     assert!(expected.len() * 3 >= patterns.len());
     check(&odd, &Accel::brute(), BINDING_MATERIALS, &expected, "material of odd bits");
 }
+
+#[test]
+fn constants_of_a_render() {
+    let scene = scene();
+    let data = TexelData::pack(&scene, &Accel::brute(), &Settings::for_scene(&scene)).expect("the scene can be packed");
+    let (triangles, lights) = (data.triangle_count, data.light_count);
+    let expected = padded(&[
+        [0.25f32, 0.5, 0.75, 1.0].map(f32::to_bits),
+        [triangles, lights, 8, 0x1234_5678],
+        [0x9abc_def0, 0, 0, 0],
+    ]);
+    check(&scene, &Accel::brute(), RECORD_BINDINGS, &[expected], "the constants");
+}

@@ -130,7 +130,7 @@ fn garbage_in_buffers_and_constants_is_survived() {
         let bound = resources(context, &tracer, 1 << 16);
         let group = BindGroup::new(&tracer, &bound).expect("a group");
         // Every phase, searching or not, with a stack far larger than the array; then words that mean nothing.
-        let states = (0..32).map(|low| (0xffff_0000 | low, false)).chain([(0x0fff_0013, false)]);
+        let states = (0..64).map(|low| (0xffff_f000 | low, false)).chain([(0x0fff_0013, false)]);
         let words = [0, 0xffff_ffff, 0x7fff_ffff, 0x0fff_0013, 0xa5a5_a5a5].map(|word| (word, true));
         for (word, in_push_constants) in states.chain(words) {
             let mut recorder = Recorder::new(context, "garbage").expect("a recorder");
@@ -139,25 +139,21 @@ fn garbage_in_buffers_and_constants_is_survived() {
                     Resource::Texel(texels) => texels.buffer(),
                     Resource::Storage(buffer) => buffer,
                 };
-                // Pixel 0 and its neighbours are listed, so that their states are loaded.
-                let word = if *number == BINDING_LISTS && !in_push_constants { 0 } else { word };
+                // Pixel 0 and its neighbours are listed, so that their states are loaded, and the render has some bounces.
+                let word = match *number {
+                    BINDING_LISTS if !in_push_constants => 0,
+                    BINDING_CAMERA if !in_push_constants => 8,
+                    _ => word,
+                };
                 recorder.fill(buffer, 0, buffer.size_bytes(), word).expect("a fill");
             }
             recorder.barrier(texray::gpu::Barrier::TransferToCompute).expect("a barrier");
-            let mut push = [0u8; PUSH_CONSTANT_BYTES as usize];
-            let mut set = |name: &str, value: u32| {
-                let (_, offset) = PUSH_CONSTANTS.iter().find(|(known, _)| *known == name).expect("a push constant");
-                push[*offset as usize..][..4].copy_from_slice(&value.to_ne_bytes());
-            };
+            let mut push = Push { tile_width: 8, tile_height: 8, samples: 16, listed: 64, ..Push::default() }.bytes();
             if in_push_constants {
-                PUSH_CONSTANTS.iter().for_each(|(name, _)| set(name, word));
-            } else {
-                let going_on =
-                    [("PUSH_TILE_WIDTH", 8), ("PUSH_TILE_HEIGHT", 8), ("PUSH_SAMPLES", 16), ("PUSH_LISTED", 64)];
-                going_on.iter().for_each(|(name, value)| set(name, *value));
-                ["PUSH_TRIANGLES", "PUSH_LIGHTS", "PUSH_MAX_BOUNCES"].iter().for_each(|name| set(name, 8));
+                push.chunks_exact_mut(4).for_each(|field| field.copy_from_slice(&word.to_ne_bytes()));
             }
-            set("PUSH_BUDGET", 500);
+            let budget = std::mem::offset_of!(Push, budget);
+            push[budget..][..4].copy_from_slice(&500u32.to_ne_bytes());
             recorder.dispatch(&tracer, &group, &push, [4, 4, 1]).expect("a dispatch");
             recorder.submit().expect("submitted").wait().expect("it ends");
         }

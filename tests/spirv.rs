@@ -221,14 +221,12 @@ fn push_constants_stand_at_the_contracts_offsets() {
     let mut found: Vec<(String, u32)> = members(&module.debug_names, Op::MemberName)
         .iter()
         .map(|name| {
-            // Two members say what they count; the contract says of what.
-            let text = name.operands[2].unwrap_literal_string().replace("triangle_count", "triangles");
-            let text = text.replace("light_count", "lights").to_uppercase();
-            (format!("PUSH_{text}"), offsets[&name.operands[1].unwrap_literal_bit32()])
+            let text = name.operands[2].unwrap_literal_string().to_owned();
+            (text, offsets[&name.operands[1].unwrap_literal_bit32()])
         })
         .collect();
     found.sort_by_key(|(_, offset)| *offset);
-    let expected: Vec<(String, u32)> = PUSH_CONSTANTS.iter().map(|&(name, offset)| (name.to_owned(), offset)).collect();
+    let expected: Vec<(String, u32)> = PUSH_FIELDS.iter().map(|&(name, _, offset)| (name.to_owned(), offset)).collect();
     assert_eq!(found, expected);
 }
 

@@ -14,7 +14,7 @@ struct Material {
 Material fetch_material(uint index) {
     uvec4 t0 = materials_texel(index * MATERIAL_TEXELS);
     vec4 t1 = uintBitsToFloat(materials_texel(index * MATERIAL_TEXELS + 1u));
-    return Material(uintBitsToFloat(t0.xyz), t0.w, t1.xyz, t1.w);
+    return Material(uintBitsToFloat(t0.xyz), t0.w & MATERIAL_KIND_MASK, t1.xyz, t1.w);
 }
 
 #endif

@@ -8,6 +8,7 @@
 
 #include "bindings.glsl"
 #include "effects.glsl"
+#include "run.glsl"
 
 const uint PAIR_FILM = 0u;       // camera: place in the pixel
 const uint PAIR_LENS = 1u;       // camera: place on the lens
@@ -88,7 +89,7 @@ struct Stream {
 
 // The stream of `pixel`: x | y << 16, in pixels of the whole picture. To be made once, as `run` is.
 Stream make_stream(uint pixel) {
-    return Stream(pixel + push.seed_low, push.replicate + push.seed_high, push.first_index);
+    return Stream(pixel + constants.seed_low, push.replicate + constants.seed_high, push.first_index);
 }
 
 // The numbers of pair `pair` of sample `sample_number` of the run.
@@ -102,9 +103,9 @@ uvec2 random_pair(Stream stream, uint sample_number, uint pair) {
         return pcg4d(uvec4(stream.pixel, pair, stream.replicate, index)).xy;
     }
     // The thesis's way: a table made by the host, read from a place of the pixel's own and around again at its end.
-    uint start = pcg4d(uvec4(stream.pixel, push.seed_high, 0x85ebca6bu, 0xc2b2ae35u)).x;
+    uint start = pcg4d(uvec4(stream.pixel, constants.seed_high, 0x85ebca6bu, 0xc2b2ae35u)).x;
     // Odd, so that the samples of a pixel go through the whole table before any comes again.
-    uint pairs = (PAIRS_PER_BOUNCE * (1u + run.max_bounces)) | 1u;
+    uint pairs = (PAIRS_PER_BOUNCE * (1u + constants.max_bounces)) | 1u;
     return random_texel((start + (push.first_sample + sample_number) * pairs + pair) & (RANDOM_TABLE_TEXELS - 1u)).xy;
 }
 

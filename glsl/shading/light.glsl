@@ -5,6 +5,7 @@
 #include "effects.glsl"
 #include "guards.glsl"
 #include "records/light.glsl"
+#include "run.glsl"
 #include "sampling/random.glsl"
 #include "sampling/warp.glsl"
 #include "shading/bsdf.glsl"
@@ -45,7 +46,7 @@ float light_pdf(float pdf_area, float distance2, float cosine) {
 // Index of the light whose share of the random words holds `word`. Counts its loop's iterations in `steps`.
 uint pick_light(uint word, inout uint steps) {
     uint low = 0u;
-    uint high = run.light_count - 1u;
+    uint high = constants.light_count - 1u;
     while (low < high) {
         uint middle = (low + high) >> 1;
         if (word <= fetch_light_cdf_end(middle)) {

@@ -5,18 +5,6 @@
 
 #include "guards.glsl"
 
-// 2^-20: a triangle's own box grows by this share of the ray's reach; it covers the rounding of the slab test and of the
-// sheared vertices (docs/decisions.md, 'order of hits').
-const float TRIANGLE_PAD = 9.5367431640625e-7;
-// 2^-19: a node's box grows by twice that, so that whatever a triangle's own box admits, every box around it admits.
-const float NODE_PAD = 1.9073486328125e-6;
-// 1 - 2^-16: an emitter's distance counts as this much nearer, so that a light in the plane of a wall wins the tie.
-const float EMITTER_NEARER = 0.9999847412109375;
-// 1 + 2^-15: boxes are left out only beyond this multiple of the best key; it exceeds 1 / EMITTER_NEARER.
-const float CULL_BEYOND = 1.000030517578125;
-// 2^100: the key of no hit, beyond any distance; a multiple of it is still finite.
-const float NO_HIT_KEY = 1.2676506002282294e30;
-
 struct Ray {
     vec3 o;           // Origin, scaled units.
     vec3 d;           // Direction, of any length.
@@ -65,9 +53,9 @@ Ray make_ray(vec3 o, vec3 d) {
     Ray ray;
     ray.o = o;
     ray.d = d;
-    // A component of zero would give 0 * inf on a box's plane; the sign stays, and 1e18 overflows nothing.
-    vec3 tiny = uintBitsToFloat((floatBitsToUint(d) & 0x80000000u) | floatBitsToUint(1.0e-18));
-    vec3 divisor = guarded(GUARD_DIRECTION_FLOOR) ? mix(tiny, d, greaterThanEqual(abs(d), vec3(1.0e-18))) : d;
+    // A component of zero would give 0 * inf on a box's plane; the sign stays, and 1 / MIN_DIRECTION overflows nothing.
+    vec3 tiny = uintBitsToFloat((floatBitsToUint(d) & 0x80000000u) | floatBitsToUint(MIN_DIRECTION));
+    vec3 divisor = guarded(GUARD_DIRECTION_FLOOR) ? mix(tiny, d, greaterThanEqual(abs(d), vec3(MIN_DIRECTION))) : d;
     precise vec3 inv = 1.0 / divisor;
     ray.inv = inv;
     vec3 a = abs(o);

@@ -7,6 +7,7 @@
 
 #include "effects.glsl"
 #include "records/node.glsl"
+#include "run.glsl"
 #include "trace/box.glsl"
 #include "trace/hit.glsl"
 #include "trace/triangle.glsl"
@@ -40,7 +41,7 @@ Traversal begin_traversal(Hit best, vec3 o, vec3 d) {
     traversal.queued = uvec2(0u);
     traversal.stack_size = 0u;
     traversal.best = best;
-    traversal.searching = run.triangle_count > 0u && is_traceable(o, d);
+    traversal.searching = constants.triangle_count > 0u && is_traceable(o, d);
     traversal.nodes = uvec2(0u);
     if (ACCEL == ACCEL_WIDE) {
         // The root, as the only child of a node that is not there: slot 0 in whatever octant, so every bit of its mask.
@@ -158,7 +159,7 @@ void visit_binary(inout Traversal traversal, Ray ray) {
 
 // Puts the next triangles of the list in line, 24 at most.
 void visit_brute(inout Traversal traversal) {
-    uint count = min(run.triangle_count - traversal.nodes.x, 24u);
+    uint count = min(constants.triangle_count - traversal.nodes.x, 24u);
     take_triangles(traversal, uvec2(traversal.nodes.x, (1u << count) - 1u));
     traversal.nodes.x += count;
 }
@@ -171,7 +172,7 @@ bool nodes_left(Traversal traversal) {
     if (ACCEL == ACCEL_BINARY) {
         return traversal.nodes.y != 0u || traversal.stack_size > 0u;
     }
-    return traversal.nodes.x < run.triangle_count;
+    return traversal.nodes.x < constants.triangle_count;
 }
 
 // Whether the next node may be visited: there is one, and room for its triangles.

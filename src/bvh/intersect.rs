@@ -25,20 +25,8 @@
 use crate::named::named;
 use glam::Vec3;
 
-use crate::interface::NO_INDEX;
-
-/// Components of a direction count as at least this in box tests, so that no plane gives 0 * infinity.
-const MIN_DIRECTION: f32 = 1e-18;
-/// Padding of nodes, relative to the ray's reach: 2^-19.
-const NODE_PAD: f32 = 1.0 / 524_288.0;
-/// Padding of triangles' own boxes, relative to the ray's reach: 2^-20.
-const TRIANGLE_PAD: f32 = 1.0 / 1_048_576.0;
-/// A box is culled if it is entered beyond the best key times this: 1 + 2^-15.
-pub(super) const CULL: f32 = 1.0 + 1.0 / 32_768.0;
-/// Keys of emitting triangles are multiplied by this, 1 - 2^-16, so that a tie goes to them.
-const EMITTER_KEY: f32 = 1.0 - 1.0 / 65_536.0;
-/// Key of having hit nothing: 2^100, beyond any hit of a ray with a direction of length 2^-40 or more.
-pub const NO_HIT_KEY: f32 = 1.267_650_6e30;
+pub use crate::interface::NO_HIT_KEY;
+use crate::interface::{EMITTER_NEARER, MIN_DIRECTION, NO_INDEX, NODE_PAD, TRIANGLE_PAD};
 
 named! {
     /// Which triangle test decides.
@@ -188,7 +176,7 @@ impl Prepared {
         if !meets_box {
             return None;
         }
-        let key = t.max(entry).min(exit) * if triangle.emits { EMITTER_KEY } else { 1.0 };
+        let key = t.max(entry).min(exit) * if triangle.emits { EMITTER_NEARER } else { 1.0 };
         Some(Hit { id: triangle.id, key, b1, b2 })
     }
 

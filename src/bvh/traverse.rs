@@ -4,9 +4,9 @@
 //! the answer does not depend on the tree (see [`super::intersect`]); the stack has [`Accel::stack_entries`] entries,
 //! and an entry too many is counted in [`Work::overflows`], never written.
 
-use super::intersect::{CULL, NO_HIT_KEY, Prepared, TracedTriangle};
+use super::intersect::{NO_HIT_KEY, Prepared, TracedTriangle};
 use super::{Accel, BinaryBvh, Hit, Intersector, Ray};
-use crate::interface::{MAX_TREE_DEPTH, NO_INDEX};
+use crate::interface::{CULL_BEYOND, MAX_TREE_DEPTH, NO_INDEX};
 use crate::scene::Triangle;
 
 /// Work done by one ray or many.
@@ -178,7 +178,7 @@ impl Query {
 
     /// Boxes entered beyond this hold nothing that could still win.
     pub fn cull(&self) -> f32 {
-        self.best.key * CULL
+        self.best.key * CULL_BEYOND
     }
 }
 

@@ -5,18 +5,17 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use texray::interface::MAX_SIDE;
 use texray::render::Roulette;
 
-/// Largest side of a picture in pixels.
-const LARGEST_SIDE: u32 = 16384;
 /// Largest exposure in stops, either way.
 const LARGEST_EXPOSURE: f64 = 100.0;
 
 /// `WxH` in pixels.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
-    let side = |text: &str| text.parse().ok().filter(|side| (1..=LARGEST_SIDE).contains(side));
+    let side = |text: &str| text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
     let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
-    sides.ok_or_else(|| format!("use WIDTHxHEIGHT in pixels, each 1 to {LARGEST_SIDE}"))
+    sides.ok_or_else(|| format!("use WIDTHxHEIGHT in pixels, each 1 to {MAX_SIDE}"))
 }
 
 /// `x,y,w,h` in pixels, not empty; whether it lies in the picture is known later.

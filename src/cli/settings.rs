@@ -4,6 +4,7 @@
 
 use clap::{Args, ValueEnum, value_parser};
 use texray::bvh::Builder;
+use texray::interface::MAX_BOUNCES;
 use texray::render::{AccelKind, Buffers, Hemisphere, Intersector, LightPick, Lights, Roulette, Sampler, Settings};
 use texray::scene::{Filter, Scene};
 use texray::{Error, Result};
@@ -34,7 +35,7 @@ pub struct SettingsArgs {
     #[arg(long, value_name = "x,y,w,h", value_parser = parse::crop)]
     crop: Option<[u32; 4]>,
     /// Surface scatterings a path may have, 1 to 65535; 1 is direct light only [default: the scene's, else 8]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=65535))]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=i64::from(MAX_BOUNCES)))]
     max_bounces: Option<u32>,
     /// Pixel filter [default: the scene's, else blackman-harris]
     #[arg(long, value_parser = choices::of::<Filter>())]

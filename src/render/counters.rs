@@ -3,19 +3,13 @@
 //! Comes in: the counters of a dispatch as they came back. Goes out: their sums, by name.
 
 use crate::interface::{
-    CAUSES, COUNTER_INVALID, COUNTER_MAX_STEPS, COUNTER_PATHS, COUNTER_STACK_OVERFLOW, COUNTER_UNFINISHED, COUNTERS,
-    INVALID_KINDS,
+    CAUSE_NAMES, COUNTER_INVALID, COUNTER_MAX_STEPS, COUNTER_PATHS, COUNTER_STACK_OVERFLOW, COUNTER_UNFINISHED,
+    COUNTERS, INVALID_KIND_NAMES, INVALID_KINDS,
 };
 use crate::{Error, Result};
 
 /// Bytes of the counters.
 pub(super) const COUNTER_BYTES: u64 = 4 * COUNTERS as u64;
-
-/// Kinds of invalid samples by name, in the order of `interface::INVALID_NAN` and its fellows.
-pub(super) const INVALID_KIND_NAMES: [&str; INVALID_KINDS as usize] = ["nan", "infinite", "negative"];
-/// Causes of invalid samples by name, in the order of `interface::CAUSE_SUM` and its fellows.
-pub(super) const CAUSE_NAMES: [&str; CAUSES as usize] =
-    ["sum", "camera", "emission", "sky", "light", "lambert", "mirror", "glass"];
 
 /// Sums of counters over the dispatches of a run.
 #[derive(Clone, Copy, Debug, Default)]

@@ -15,7 +15,7 @@ use crate::gpu::{
 use crate::interface::*;
 use crate::render::counters::COUNTER_BYTES;
 use crate::render::effects::Effects;
-use crate::render::kernel::{self, Constants, Dispatch, ReadAs};
+use crate::render::kernel::{self, Dispatch, ReadAs};
 use crate::render::path_buffers::PathBuffers;
 use crate::render::report::StageSeconds;
 use crate::render::startup;
@@ -33,7 +33,8 @@ use crate::texels::random::splitmix64;
 pub(super) struct DeviceScene {
     context: Context,
     records: GpuScene,
-    constants: Constants,
+    /// Replicates of the film.
+    replicates: u32,
     pipeline: Arc<ComputePipeline>,
     bind_group: Arc<BindGroup>,
     counters: Arc<Buffer>,
@@ -74,7 +75,7 @@ impl DeviceScene {
             true => settings.buffers,
             false => Buffers::Storage,
         };
-        let records = GpuScene::upload(context, &data, buffers, ledger)?;
+        let records = GpuScene::upload(context, &data, &constants(scene, settings, &data), buffers, ledger)?;
         seconds.upload = start.elapsed().as_secs_f64();
 
         let stack_entries = kernel::padded_stack_entries(&accel);
@@ -107,7 +108,7 @@ impl DeviceScene {
         let bind_group = BindGroup::new(&pipeline, &resources)?;
         Ok(DeviceScene {
             context: context.clone(),
-            constants: constants(scene, settings, &data, replicates),
+            replicates,
             records,
             pipeline,
             bind_group,
@@ -139,7 +140,8 @@ impl DeviceScene {
         recorder.barrier(Barrier::TransferToCompute)?;
         // The last frame's shader has written the path states, lists and sums that this one reads.
         recorder.barrier(Barrier::ComputeToCompute)?;
-        recorder.dispatch(&self.pipeline, &self.bind_group, &self.constants.push(dispatch), dispatch.groups())?;
+        let push = kernel::push(dispatch, self.replicates);
+        recorder.dispatch(&self.pipeline, &self.bind_group, &push.bytes(), dispatch.groups())?;
         let why = "unfinished paths and counts of a frame";
         self.counter_readback.copy_from(&mut recorder, ledger, &self.counters, 0, 0, COUNTER_BYTES, why)?;
         recorder.submit()
@@ -184,16 +186,19 @@ fn tile_size(context: &Context, settings: &Settings, stack_entries: u32) -> Resu
     tiles::largest_tile(width, height, stack_entries, in_one_buffer, memory)
 }
 
-fn constants(scene: &Scene, settings: &Settings, data: &TexelData, replicates: u32) -> Constants {
+fn constants(scene: &Scene, settings: &Settings, data: &TexelData) -> RenderConstants {
     let mut state = settings.seed;
     let mixed = splitmix64(&mut state);
-    Constants {
-        triangles: data.triangle_count,
-        lights: data.light_count,
-        max_bounces: settings.max_bounces,
-        replicates,
-        seed: [mixed as u32, (mixed >> 32) as u32],
+    let [sky_r, sky_g, sky_b] = scene.sky.unwrap_or_default();
+    RenderConstants {
+        sky_r,
+        sky_g,
+        sky_b,
         roulette_p: kernel::roulette_value(settings.roulette).1,
-        sky: scene.sky.unwrap_or_default(),
+        triangle_count: data.triangle_count,
+        light_count: data.light_count,
+        max_bounces: settings.max_bounces,
+        seed_low: mixed as u32,
+        seed_high: (mixed >> 32) as u32,
     }
 }

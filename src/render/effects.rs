@@ -5,18 +5,12 @@
 
 use std::fmt;
 
-use crate::interface::{
-    EFFECT_EMITTERS, EFFECT_GLASS, EFFECT_MIRROR, EFFECT_PIXEL_FILTER, EFFECT_SKY, EFFECT_SMOOTH_NORMALS, EFFECTS,
-    NO_INDEX,
-};
+pub use crate::interface::EFFECT_NAMES;
+use crate::interface::{EffectKind, NO_INDEX};
 use crate::named::Named;
 use crate::quote::shown;
 use crate::scene::{Filter, Material, MaterialKind, Scene};
 use crate::settings::Settings;
-
-/// Names of the effects, in the order of their numbers: part of the interface to users.
-pub const EFFECT_NAMES: [&str; EFFECTS as usize] =
-    ["emitters", "sky", "mirror", "glass", "smooth_normals", "pixel_filter"];
 
 /// Whether an effect is on, and why.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
@@ -36,28 +30,16 @@ pub struct Effects(Vec<Effect>);
 impl Effects {
     /// The least set of effects that gives the scene's picture; all of them where the settings ask for that.
     pub fn of(scene: &Scene, settings: &Settings) -> Effects {
-        let mut reasons: [Option<String>; EFFECTS as usize] = Default::default();
         let counts = triangles_by_material(scene);
-        let by_material = |noun: &str, wanted: &dyn Fn(&Material) -> bool| {
-            let (index, material) = (0..).zip(&scene.materials).find(|(i, m)| counts[*i] > 0 && wanted(m))?;
-            Some(format!("{noun}: material `{}`, {}", shown(&material.name), triangles(counts[index])))
+        let effect = |&kind: &EffectKind| {
+            let name = EFFECT_NAMES[kind as usize];
+            match reason(kind, scene, settings, &counts) {
+                Some(reason) => Effect { name, on: true, reason },
+                None if settings.all_effects => Effect { name, on: true, reason: "asked for by --effects all".into() },
+                None => Effect { name, on: false, reason: "nothing calls for it".into() },
+            }
         };
-        reasons[EFFECT_EMITTERS as usize] = by_material("emission", &Material::emits);
-        reasons[EFFECT_SKY as usize] =
-            scene.sky.filter(|sky| sky.iter().any(|&c| c > 0.0)).map(|_| "the scene has an environment".into());
-        reasons[EFFECT_MIRROR as usize] = by_material("mirror", &|m| matches!(m.kind, MaterialKind::Mirror { .. }));
-        reasons[EFFECT_GLASS as usize] = by_material("glass", &|m| matches!(m.kind, MaterialKind::Glass { .. }));
-        let smooth = scene.triangles.iter().filter(|t| t.corners != NO_INDEX).count();
-        reasons[EFFECT_SMOOTH_NORMALS as usize] =
-            (smooth > 0).then(|| format!("vertex normals: {}", triangles(smooth)));
-        reasons[EFFECT_PIXEL_FILTER as usize] =
-            (settings.filter != Filter::Box).then(|| format!("filter `{}`", settings.filter.name()));
-        let effect = |(name, reason): (&'static str, Option<String>)| match reason {
-            Some(reason) => Effect { name, on: true, reason },
-            None if settings.all_effects => Effect { name, on: true, reason: "asked for by --effects all".into() },
-            None => Effect { name, on: false, reason: "nothing calls for it".into() },
-        };
-        Effects(EFFECT_NAMES.into_iter().zip(reasons).map(effect).collect())
+        Effects(EffectKind::ALL.iter().map(effect).collect())
     }
 
     /// Every effect with its state and reason.
@@ -101,6 +83,29 @@ impl fmt::Display for Effects {
             writeln!(f, "{:<15} {:<4} {}", effect.name, if effect.on { "on" } else { "off" }, effect.reason)?;
         }
         Ok(())
+    }
+}
+
+/// What calls for an effect, if anything does; `counts` are the triangles of each material.
+fn reason(effect: EffectKind, scene: &Scene, settings: &Settings, counts: &[usize]) -> Option<String> {
+    let by_material = |noun: &str, wanted: &dyn Fn(&Material) -> bool| {
+        let (index, material) = (0..).zip(&scene.materials).find(|(i, m)| counts[*i] > 0 && wanted(m))?;
+        Some(format!("{noun}: material `{}`, {}", shown(&material.name), triangles(counts[index])))
+    };
+    match effect {
+        EffectKind::Emitters => by_material("emission", &Material::emits),
+        EffectKind::Sky => {
+            scene.sky.filter(|sky| sky.iter().any(|&c| c > 0.0)).map(|_| "the scene has an environment".into())
+        }
+        EffectKind::Mirror => by_material("mirror", &|m| matches!(m.kind, MaterialKind::Mirror { .. })),
+        EffectKind::Glass => by_material("glass", &|m| matches!(m.kind, MaterialKind::Glass { .. })),
+        EffectKind::SmoothNormals => {
+            let smooth = scene.triangles.iter().filter(|t| t.corners != NO_INDEX).count();
+            (smooth > 0).then(|| format!("vertex normals: {}", triangles(smooth)))
+        }
+        EffectKind::PixelFilter => {
+            (settings.filter != Filter::Box).then(|| format!("filter `{}`", settings.filter.name()))
+        }
     }
 }
 

@@ -23,8 +23,7 @@ pub fn leave_eighths(device: DeviceKind) -> u32 {
     }
 }
 
-/// What the path tracer writes: all of it storage buffers.
-pub const WRITTEN_BINDINGS: [u32; 4] = [BINDING_PATHS_WRITTEN, BINDING_LISTS, BINDING_SUMS, BINDING_COUNTERS];
+pub use crate::interface::WRITTEN_BINDINGS;
 
 /// Where lanes refill by default; measured in docs/performance.md.
 const REFILL_EIGHTHS: u32 = 6;
@@ -150,63 +149,33 @@ impl Dispatch {
     }
 }
 
-/// What the push constants hold for a whole render.
-#[derive(Clone, Copy, Debug)]
-pub struct Constants {
-    /// Triangles of the scene.
-    pub triangles: u32,
-    /// Lights of the scene.
-    pub lights: u32,
-    /// Surface scatterings a path may have.
-    pub max_bounces: u32,
-    /// Replicates of the film.
-    pub replicates: u32,
-    /// The seed, mixed so that neighbouring seeds share no stream.
-    pub seed: [u32; 2],
-    /// Survival probability of the fixed roulette.
-    pub roulette_p: f32,
-    /// Radiance of the environment.
-    pub sky: [f32; 3],
-}
-
-impl Constants {
-    /// The push-constant block of a dispatch, in the layout of `interface::PUSH_CONSTANTS`.
-    pub fn push(&self, dispatch: &Dispatch) -> [u8; PUSH_CONSTANT_BYTES as usize] {
-        let tile = dispatch.tile;
-        let (rows, listed) = match dispatch.slice {
-            Slice::Rows { first, count } => ([first, count], [0, 0]),
-            Slice::Listed { first, count } => ([0, 0], [first, count]),
-        };
-        // A run never crosses a block's end, so all of it belongs to one replicate.
-        let block = dispatch.samples[0] / BLOCK_SAMPLES;
-        let words = [
-            tile.x,
-            tile.y,
-            tile.width,
-            tile.height,
-            rows[0],
-            rows[1],
-            dispatch.samples[0],
-            dispatch.samples[1],
-            dispatch.budget,
-            dispatch.flags(),
-            self.triangles,
-            self.lights,
-            self.max_bounces,
-            replicate_of_block(block, self.replicates),
-            block_in_replicate(block, self.replicates) * BLOCK_SAMPLES + dispatch.samples[0] % BLOCK_SAMPLES,
-            self.seed[0],
-            self.seed[1],
-            self.roulette_p.to_bits(),
-            self.sky[0].to_bits(),
-            self.sky[1].to_bits(),
-            self.sky[2].to_bits(),
-            listed[0],
-            listed[1],
-            dispatch.fills.at,
-            dispatch.leave_eighths,
-        ];
-        bytemuck::must_cast(words)
+/// The push constants of a dispatch of a render into so many replicates.
+pub fn push(dispatch: &Dispatch, replicates: u32) -> Push {
+    let tile = dispatch.tile;
+    let (rows, listed) = match dispatch.slice {
+        Slice::Rows { first, count } => ([first, count], [0, 0]),
+        Slice::Listed { first, count } => ([0, 0], [first, count]),
+    };
+    // A run never crosses a block's end, so all of it belongs to one replicate.
+    let [first, samples] = dispatch.samples;
+    let block = first / BLOCK_SAMPLES;
+    Push {
+        tile_x: tile.x,
+        tile_y: tile.y,
+        tile_width: tile.width,
+        tile_height: tile.height,
+        slice_row: rows[0],
+        slice_rows: rows[1],
+        first_sample: first,
+        samples,
+        budget: dispatch.budget,
+        flags: dispatch.flags(),
+        replicate: replicate_of_block(block, replicates),
+        first_index: block_in_replicate(block, replicates) * BLOCK_SAMPLES + first % BLOCK_SAMPLES,
+        listed_first: listed[0],
+        listed: listed[1],
+        filled: dispatch.fills.at,
+        leave_eighths: dispatch.leave_eighths,
     }
 }
 
@@ -261,17 +230,5 @@ fn hemisphere_value(hemisphere: Hemisphere) -> u32 {
     match hemisphere {
         Hemisphere::Cosine => HEMISPHERE_COSINE,
         Hemisphere::Uniform => HEMISPHERE_UNIFORM,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn push_constants_stand_at_their_offsets() {
-        let offsets: Vec<u32> = PUSH_CONSTANTS.iter().map(|&(_, offset)| offset).collect();
-        assert_eq!(offsets, (0..PUSH_CONSTANTS.len() as u32).map(|i| 4 * i).collect::<Vec<_>>());
-        assert_eq!(offsets.last().unwrap() + 4, PUSH_CONSTANT_BYTES);
     }
 }

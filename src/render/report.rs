@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::counters::{CAUSE_NAMES, Counts, INVALID_KIND_NAMES};
+use super::counters::Counts;
 use super::effects::Effects;
 use super::kernel::ReadAs;
 use super::stop::{Forecast, Target};
 use crate::bvh::TreeStats;
 use crate::film::{Film, PictureError};
 use crate::gpu::Ledger;
-use crate::interface::{COUNTER_NODES, COUNTER_RAYS, COUNTER_TRIANGLES};
+use crate::interface::{CAUSE_NAMES, COUNTER_NODES, COUNTER_RAYS, COUNTER_TRIANGLES, INVALID_KIND_NAMES};
 use crate::settings::Buffers;
 
 /// State of a render at a run boundary or between two slices of a run.

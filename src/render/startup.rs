@@ -13,9 +13,7 @@ use crate::gpu::{
     Barrier, BindGroup, Buffer, BufferUse, ComputePipeline, Context, Ledger, Memory, PipelineDesc, Readback, Recorder,
     Resource, Uploader, shaders,
 };
-use crate::interface::{
-    BINDING_PROBE_INPUT, BINDING_PROBE_OUTPUT, BUDGET_LANES, MAX_STEP_BUDGET, PUSH_CONSTANT_BYTES, PUSH_CONSTANTS,
-};
+use crate::interface::{BINDING_PROBE_INPUT, BINDING_PROBE_OUTPUT, BUDGET_LANES, MAX_STEP_BUDGET, Push};
 use crate::statistics::Finding;
 use crate::statistics::random::Random;
 use crate::texels::Texel;
@@ -198,10 +196,7 @@ fn answers(context: &Context, questions: &[[f32; 4]]) -> Result<Vec<Texel>> {
     let resources =
         [(BINDING_PROBE_INPUT, Resource::Storage(asked)), (BINDING_PROBE_OUTPUT, Resource::Storage(output.clone()))];
     let group = BindGroup::new(&pipeline, &resources)?;
-    let mut push = [0; PUSH_CONSTANT_BYTES as usize];
-    for &(_, offset) in PUSH_CONSTANTS.iter().filter(|(name, _)| *name == "PUSH_BUDGET") {
-        push[offset as usize..][..4].copy_from_slice(&ITERATIONS.to_ne_bytes());
-    }
+    let push = Push { budget: ITERATIONS, ..Push::default() }.bytes();
     let mut recorder = Recorder::new(context, "start-up probe")?;
     recorder.barrier(Barrier::TransferToCompute)?;
     recorder.dispatch(&pipeline, &group, &push, [1, 1, 1])?;

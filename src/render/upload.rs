@@ -8,10 +8,7 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, BufferUse, Context, Ledger, Memory, Resource, TexelBuffer, Uploader};
-use crate::interface::{
-    BINDING_CAMERA, BINDING_CORNERS, BINDING_FILTER, BINDING_LIGHT_NODES, BINDING_LIGHTS, BINDING_MATERIALS,
-    BINDING_NODES, BINDING_RANDOM, BINDING_SURFACES, BINDING_TRIANGLES, STORAGE_TWIN,
-};
+use crate::interface::{Record, RenderConstants, STORAGE_TWIN};
 use crate::settings::Buffers;
 use crate::texels::{Texel, TexelData};
 
@@ -23,35 +20,44 @@ pub struct GpuScene {
     pub buffers: Buffers,
 }
 
-/// A record kind: binding, buffer name, texels, and what the renderer wants it for.
-type Record<'a> = (u32, &'static str, &'a [Texel], &'static str);
+/// The texels of a kind of record.
+fn texels(data: &TexelData, record: Record) -> &[Texel] {
+    match record {
+        Record::Nodes => &data.nodes,
+        Record::Triangles => &data.triangles,
+        Record::Surfaces => &data.surfaces,
+        Record::Corners => &data.corners,
+        Record::Materials => &data.materials,
+        Record::Lights => &data.lights,
+        Record::Camera => &data.camera,
+        Record::Filter => &data.filter,
+        Record::Random => &data.random,
+        Record::LightNodes => &data.light_nodes,
+    }
+}
 
-/// What the camera is wanted for.
-const CAMERA_USE: &str = "pose and picture size, read once an invocation";
-
-fn records(data: &TexelData) -> [Record<'_>; 10] {
-    [
-        (BINDING_NODES, "nodes", &data.nodes, "boxes of the tree, read at every node visit"),
-        (BINDING_TRIANGLES, "triangles", &data.triangles, "corner positions, read at every triangle test"),
-        (BINDING_SURFACES, "surfaces", &data.surfaces, "normal and material, read once a hit"),
-        (BINDING_CORNERS, "corners", &data.corners, "vertex normals, read once a smooth hit"),
-        (BINDING_MATERIALS, "materials", &data.materials, "reflectance and emission, read once a hit"),
-        (BINDING_LIGHTS, "lights", &data.lights, "emitters and their probabilities, read once a light sample"),
-        (BINDING_CAMERA, "camera", &data.camera, CAMERA_USE),
-        (BINDING_FILTER, "filter", &data.filter, "inverse distribution of the pixel filter, read once a path"),
-        (BINDING_RANDOM, "random", &data.random, "numbers of the table sampler, read at every bounce"),
-        (BINDING_LIGHT_NODES, "light nodes", &data.light_nodes, "clusters of lights, read on the way to a light"),
-    ]
+/// The camera's texels, and those of the render's constants behind them.
+fn camera_bytes(data: &TexelData, constants: &RenderConstants) -> Vec<u8> {
+    let mut bytes = bytemuck::cast_slice(&data.camera).to_vec();
+    bytes.extend(constants.bytes());
+    bytes.resize(bytes.len().next_multiple_of(size_of::<Texel>()), 0);
+    bytes
 }
 
 /// Whether every record fits a texel buffer of this device; if not, storage buffers may.
 pub fn fits_texel_buffers(data: &TexelData, context: &Context) -> bool {
-    records(data).iter().all(|(_, _, texels, _)| TexelBuffer::fits(context, size_of_val(*texels) as u64))
+    Record::ALL.iter().all(|&record| TexelBuffer::fits(context, size_of_val(texels(data, record)) as u64))
 }
 
 impl GpuScene {
-    /// Copies the records to the device, bound as `buffers` says.
-    pub fn upload(context: &Context, data: &TexelData, buffers: Buffers, ledger: &mut Ledger) -> Result<GpuScene> {
+    /// Copies the records and the render's constants to the device, bound as `buffers` says.
+    pub fn upload(
+        context: &Context,
+        data: &TexelData,
+        constants: &RenderConstants,
+        buffers: Buffers,
+        ledger: &mut Ledger,
+    ) -> Result<GpuScene> {
         const STORAGE: BufferUse = BufferUse { texel: false, storage: true };
         let null_texel = TexelBuffer::new(context, "null texels", 16)?;
         let null_storage = Buffer::new(context, "null storage", 16, STORAGE, Memory::Device)?;
@@ -61,12 +67,17 @@ impl GpuScene {
             uploader.upload(ledger, null, 0, &[0; 16], "bound where a record kind is absent")?;
         }
         let mut resources = Vec::new();
-        for (binding, name, texels, why) in records(data) {
+        let camera = camera_bytes(data, constants);
+        for &record in Record::ALL {
+            let (binding, name, why) = (record.binding(), record.name(), record.why());
             let mut texel = Resource::Texel(null_texel.clone());
             let mut storage = Resource::Storage(null_storage.clone());
-            let bytes: &[u8] = bytemuck::cast_slice(texels);
+            let bytes: &[u8] = match record {
+                Record::Camera => &camera,
+                record => bytemuck::cast_slice(texels(data, record)),
+            };
             let size = bytes.len() as u64;
-            if texels.is_empty() {
+            if bytes.is_empty() {
                 ledger.absent(name, "the scene does not call for it");
             } else if buffers == Buffers::Texel {
                 let view = TexelBuffer::new(context, name, size)?;
@@ -84,11 +95,11 @@ impl GpuScene {
         Ok(GpuScene { resources, null_texel, buffers })
     }
 
-    /// Copies another camera over the one that is there.
+    /// Copies another camera over the one that is there; the render's constants behind it stay.
     pub fn replace_camera(&self, context: &Context, camera: &[Texel], ledger: &mut Ledger) -> Result<()> {
         let bound = match self.buffers {
-            Buffers::Texel => BINDING_CAMERA,
-            Buffers::Storage => BINDING_CAMERA + STORAGE_TWIN,
+            Buffers::Texel => Record::Camera.binding(),
+            Buffers::Storage => Record::Camera.binding() + STORAGE_TWIN,
         };
         let resource = self.resources.iter().find(|(binding, _)| *binding == bound).map(|(_, resource)| resource);
         let buffer = match resource {
@@ -97,7 +108,7 @@ impl GpuScene {
             None => return Err(Error::Internal("a scene on the device without a camera".into())),
         };
         let mut uploader = Uploader::new(context)?;
-        uploader.upload(ledger, buffer, 0, bytemuck::cast_slice(camera), CAMERA_USE)?;
+        uploader.upload(ledger, buffer, 0, bytemuck::cast_slice(camera), Record::Camera.why())?;
         uploader.finish()
     }
 

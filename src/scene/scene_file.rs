@@ -23,6 +23,7 @@ use super::toml_source::Source;
 use super::toml_table::{Entry, Table};
 use super::transform::{Transform, rotation};
 use super::{Camera, FilmSettings, Filter, RenderDefaults, foreign_format};
+use crate::interface::{MAX_BOUNCES, MAX_SIDE};
 use crate::quote::{self, quoted};
 use crate::{Error, Result};
 
@@ -181,7 +182,7 @@ fn checked_camera(table: &Table, camera: Camera) -> Result<Camera> {
 
 fn read_film(entry: &Entry, refusals: &mut Refusals) -> Option<FilmSettings> {
     let table = open(entry, "[film]", &["width", "height", "filter"], &[], refusals)?;
-    let size = |key, default| table.get(key).map_or(Ok(default), |entry| entry.integer(1, 16384));
+    let size = |key, default| table.get(key).map_or(Ok(default), |entry| entry.integer(1, MAX_SIDE));
     let (width, height) = (size("width", DEFAULT_FILM.width), size("height", DEFAULT_FILM.height));
     let (width, height) = (refusals.keep(width), refusals.keep(height));
     let filter = table.get("filter").map_or(Ok(DEFAULT_FILM.filter), |entry| read_filter(&entry));
@@ -202,7 +203,7 @@ fn read_filter(entry: &Entry) -> Result<Filter> {
 fn read_render(entry: &Entry, refusals: &mut Refusals) -> Option<RenderDefaults> {
     let table = open(entry, "[render]", &["spp", "max_bounces"], &[], refusals)?;
     let value = |key, most| table.get(key).map(|entry| entry.integer(1, most)).transpose();
-    let (spp, max_bounces) = (refusals.keep(value("spp", u32::MAX)), refusals.keep(value("max_bounces", 65535)));
+    let (spp, max_bounces) = (refusals.keep(value("spp", u32::MAX)), refusals.keep(value("max_bounces", MAX_BOUNCES)));
     Some(RenderDefaults { spp: spp?, max_bounces: max_bounces? })
 }
 

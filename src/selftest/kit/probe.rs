@@ -8,7 +8,7 @@ use crate::gpu::{
 };
 use crate::interface::*;
 use crate::render::guard::Guard;
-use crate::render::kernel::{self, Constants, Dispatch};
+use crate::render::kernel::{self, Dispatch};
 use crate::render::slice::{Place, Slice};
 use crate::render::tiles::Tile;
 use crate::render::upload::{GpuScene, fits_texel_buffers};
@@ -42,9 +42,6 @@ pub struct Probe<'a> {
     pub without_guard: Option<Guard>,
 }
 
-/// The probes' workgroup.
-const WORKGROUP: u32 = 64;
-
 impl Probe<'_> {
     /// Runs it, and gives `output_texels` a call.
     pub fn run(&self, context: &Context) -> Result<Vec<Texel>> {
@@ -56,7 +53,7 @@ impl Probe<'_> {
         let mut ledger = Ledger::default();
         // As a render chooses.
         let buffers = if fits_texel_buffers(self.data, context) { self.buffers } else { Buffers::Storage };
-        let scene = GpuScene::upload(context, self.data, buffers, &mut ledger)?;
+        let scene = GpuScene::upload(context, self.data, &self.constants(), buffers, &mut ledger)?;
         let accel_value = match self.accel {
             Accel::Brute => ACCEL_BRUTE,
             Accel::Binary(_) => ACCEL_BINARY,
@@ -95,26 +92,15 @@ impl Probe<'_> {
         resources.retain(|(number, _)| pipeline.bindings().iter().any(|slot| slot.number == *number));
         let group = BindGroup::new(&pipeline, &resources)?;
 
-        let constants = Constants {
-            triangles: self.data.triangle_count,
-            lights: self.data.light_count,
-            max_bounces: 8,
-            replicates: 4,
-            seed: [0x1234_5678, 0x9abc_def0],
-            roulette_p: 1.0,
-            sky: [0.0; 3],
-        };
-        let mut push = constants.push(&Dispatch {
+        let dispatch = Dispatch {
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
             slice: Slice::Rows { first: 0, count: 1 },
             fills: Place { list: 0, at: 0 },
             samples: [self.first_sample, self.calls],
             budget: max_step_budget(context.device_info()),
             leave_eighths: 0,
-        });
-        for &(_, offset) in PUSH_CONSTANTS.iter().filter(|(name, _)| *name == "PUSH_FLAGS") {
-            push[offset as usize..][..4].copy_from_slice(&self.function.to_ne_bytes());
-        }
+        };
+        let push = Push { flags: self.function, ..kernel::push(&dispatch, 4) }.bytes();
 
         let mut recorder = Recorder::new(context, "probe")?;
         recorder.fill(&scratch, 0, 256, 0)?;
@@ -124,11 +110,25 @@ impl Probe<'_> {
             if dispatch > 0 {
                 recorder.barrier(Barrier::ComputeToCompute)?;
             }
-            recorder.dispatch(&pipeline, &group, &push, [self.calls.div_ceil(WORKGROUP), 1, 1])?;
+            recorder.dispatch(&pipeline, &group, &push, [self.calls.div_ceil(PROBE_WORKGROUP), 1, 1])?;
         }
         let mut readback = Readback::new(context, "answers", bytes)?;
         readback.copy_from(&mut recorder, &mut ledger, &output, 0, 0, bytes, "answers")?;
         recorder.submit()?.wait()?;
         Ok(bytemuck::pod_collect_to_vec(&readback.bytes()?[..bytes as usize]))
+    }
+    /// What stands for a render's constants; no two of them are alike.
+    pub fn constants(&self) -> RenderConstants {
+        RenderConstants {
+            sky_r: 0.25,
+            sky_g: 0.5,
+            sky_b: 0.75,
+            triangle_count: self.data.triangle_count,
+            light_count: self.data.light_count,
+            max_bounces: 8,
+            seed_low: 0x1234_5678,
+            seed_high: 0x9abc_def0,
+            roulette_p: 1.0,
+        }
     }
 }

@@ -9,7 +9,7 @@ mod instructions;
 
 use crate::Result;
 use crate::gpu::{Context, Direction, Ledger};
-use crate::interface::EFFECTS;
+use crate::interface::{EFFECTS, EffectKind};
 use crate::render::effects::EFFECT_NAMES;
 use crate::render::kernel::{self, ReadAs};
 use crate::render::{Effects, Tuning, build_accel};
@@ -35,9 +35,6 @@ pub const KIND: Kind = Kind {
     summary: |rows, _| summary(rows),
     opens: |context, plan, _| Ok(Box::new(EffectPrices::new(context, plan)?)),
 };
-
-/// The buffer that an effect alone calls for, in the order of [`EFFECT_NAMES`].
-const BUFFERS: [Option<&str>; EFFECTS as usize] = [Some("lights"), None, None, None, Some("corners"), Some("filter")];
 
 /// How much is measured.
 struct EffectsWorkload {
@@ -150,11 +147,11 @@ impl EffectPrices {
         let mut values = Values::new();
         values.extend(instructions::count(&kernel)?.map(|count| ("instructions", count as f64)));
         if let Case::Without(effect) = case
-            && let Some(buffer) = BUFFERS[effect as usize]
+            && let Some(record) = EffectKind::ALL[effect as usize].record()
         {
             let one = Settings { crop: Some([0, 0, 1, 1]), spp: 1, ..settings.clone() };
             let Some(rendered) = subject.render(&one, &Tuning::default(), watch)? else { return Ok(None) };
-            values.push(("bytes_own_buffer", buffer_bytes(&rendered.ledger, buffer) as f64));
+            values.push(("bytes_own_buffer", buffer_bytes(&rendered.ledger, record.name()) as f64));
         }
         Ok(Some(values))
     }
@@ -294,7 +291,7 @@ fn finding(rows: &Rows, scene: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interface::{EFFECT_EMITTERS, EFFECT_GLASS};
+    use crate::interface::{EFFECT_EMITTERS, EFFECT_GLASS, Record};
 
     #[test]
     fn a_scene_leaves_out_what_it_has_and_puts_in_what_it_lacks() {
@@ -304,7 +301,8 @@ mod tests {
         assert_eq!(names.len(), 2 + EFFECTS as usize);
         assert!(names.contains(&"without glass".into()) && names.contains(&"with sky".into()));
         assert!(!names.contains(&"with glass".into()));
-        assert_eq!(BUFFERS[EFFECT_EMITTERS as usize], Some("lights"));
+        let buffer = |effect: u32| EffectKind::ALL[effect as usize].record().map(Record::name);
+        assert_eq!([buffer(EFFECT_EMITTERS), buffer(EFFECT_GLASS)], [Some("lights"), None]);
     }
 
     #[test]
