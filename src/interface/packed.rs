@@ -9,6 +9,14 @@ use super::{
 };
 use super::{STACK_ENTRIES_A_TEXEL, TRIANGLE_EMITS, TRIANGLE_SMOOTH};
 
+/// Mask of a field of `bits` bits from bit `shift` on, which must hold `most`.
+const fn mask(shift: u32, bits: u32, most: u32) -> u32 {
+    let mask = (1 << bits) - 1;
+    assert!(most <= mask, "a field is too narrow for its largest value");
+    assert!(shift + bits <= 32, "a field ends beyond its word");
+    mask
+}
+
 macro_rules! packed {
     ($list:ident; $($(#[$what:meta])* $shift:ident, $mask:ident: $bits:literal bits for $most:expr;)*) => {
         packed! { @ 0; $($(#[$what])* $shift, $mask: $bits bits for $most;)* }
@@ -20,12 +28,7 @@ macro_rules! packed {
         $(#[$what])*
         pub const $shift: u32 = $from;
         /// The same field's largest value.
-        pub const $mask: u32 = (1 << $bits) - 1;
-
-        const _: () = {
-            assert!($most <= $mask, concat!("too narrow for its largest value: ", stringify!($shift)));
-            assert!($shift + $bits <= 32, concat!("beyond the end of its word: ", stringify!($shift)));
-        };
+        pub const $mask: u32 = mask($shift, $bits, $most);
 
         packed! { @ $shift + $bits; $($rest)* }
     };
