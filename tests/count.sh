@@ -5,7 +5,7 @@
 #   tests/count.sh [-p PROGRAM] [-r REPEATS] [-s WIDTHxHEIGHT] SCENE ...
 #
 # Comes in: scenes; valgrind, and lavapipe as the device that is picked by itself; PROGRAM, a build of
-# examples/count_paths.rs (default: that of this checkout, which is built first; another checkout's is built there with
+# tests/count/paths.rs (default: that of this checkout, which is built first; another checkout's is built there with
 # `cargo build --release --example count_paths`). Goes out: a line a scene and repeat, paths and instructions per path,
 # which is the difference of 32 and 16 samples over the paths between them; then the least and the most of the repeats.
 # Only code that the driver made is counted, none of the compiler's nor of the host's: callgrind books it under the
