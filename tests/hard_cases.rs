@@ -1,7 +1,8 @@
-//! Every hard case of the catalogue under validation: as `texray selftest` runs them, and, ignored, as `texray selftest --full` does.
+//! Every hard case of the catalogue under validation: as `texray selftest` runs them, and, ignored, as
+//! `texray selftest --full` does.
 //!
-//! Each group is a test, so that a failure names its subject; what was measured is printed (`-- --nocapture`, or on failure).
-//! Statistical findings share a false-alarm rate of 1e-6; seeds are fixed.
+//! Each group is a test, so that a failure names its subject; what was measured is printed (`-- --nocapture`, or on
+//! failure). Statistical findings share a false-alarm rate of 1e-6; seeds are fixed.
 
 mod harness;
 

@@ -1,5 +1,5 @@
-//! What a render writes: devices, pipes and links stay what they are, a better picture is not replaced, and a file that cannot be written
-//! does not keep the others from being saved.
+//! What a render writes: devices, pipes and links stay what they are, a better picture is not replaced, and a file that
+//! cannot be written does not keep the others from being saved.
 #![cfg(target_os = "linux")]
 
 mod harness;
@@ -117,8 +117,8 @@ fn links_are_followed_and_files_keep_what_they_are() {
     assert!(names(folder.path()).iter().all(|name| !name.starts_with(".texray-")));
 }
 
-/// A file that cannot be renamed over is written in place: a mount point for root, a file in a folder without rights for
-/// others, and for a root that may not mount (as in a container) the same as another user.
+/// A file that cannot be renamed over is written in place: a mount point for root, a file in a folder without rights
+/// for others, and for a root that may not mount (as in a container) the same as another user.
 #[test]
 fn what_cannot_be_replaced_is_written_in_place() {
     let folder = room();
@@ -179,7 +179,8 @@ fn one_file_that_fails_does_not_lose_the_others() {
     assert_eq!(document["not_written"].as_array().unwrap().len(), 1, "{document}");
     assert!(["a.exr", "b.png", "m.png"].iter().all(|name| at(name).is_file()));
 
-    // Beyond the limit of file sizes a file fails like on a full disk: what is small enough is written, what was there stays.
+    // Beyond the limit of file sizes a file fails like on a full disk: what is small enough is written, what was there
+    // stays.
     fs::write(at("old.exr"), "old").unwrap();
     let line = "ulimit -f 20; exec \"$T\" render room.toml -q --spp 1 --size 200x150 -o big.exr -o old.exr -o small.png \
                 --ledger small.json";
@@ -275,8 +276,8 @@ fn an_early_stop_keeps_a_better_picture() {
     assert_eq!(spp(&at("b.exr")), 16, "a whole render replaces");
 }
 
-/// Where the address space ends between rendering and saving, the render is refused before it begins: no run ends by a signal, and each
-/// that ends well has its pictures.
+/// Where the address space ends between rendering and saving, the render is refused before it begins: no run ends by a
+/// signal, and each that ends well has its pictures.
 #[test]
 fn no_memory_is_found_out_before_rendering() {
     let folder = room();

@@ -42,7 +42,8 @@ fn burst(dice: &mut Dice) {
     assert!(spp(&path) >= 1);
 }
 
-/// Kills the program at a random time around that when it writes a large picture over another, and looks for what is left of it.
+/// Kills the program at a random time around that when it writes a large picture over another, and looks for what is
+/// left of it.
 fn kill(dice: &mut Dice) {
     let folder = room();
     let path = folder.path().join("a.exr");
@@ -100,7 +101,8 @@ fn many_signals_lose_no_picture() {
     many(50, 4, kill);
 }
 
-/// A terminal that is closed sends two, one by the kernel and one by the shell; `timeout` signals its child and then the group.
+/// A terminal that is closed sends two, one by the kernel and one by the shell; `timeout` signals its child and then
+/// the group.
 #[test]
 fn signals_that_come_twice_are_one() {
     let folder = room();

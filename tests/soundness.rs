@@ -139,7 +139,8 @@ fn garbage_in_buffers_and_constants_is_survived() {
                     Resource::Texel(texels) => texels.buffer(),
                     Resource::Storage(buffer) => buffer,
                 };
-                // Pixel 0 and its neighbours are listed, so that their states are loaded, and the render has some bounces.
+                // Pixel 0 and its neighbours are listed, so that their states are loaded, and the render has some
+                // bounces.
                 let word = match *number {
                     BINDING_LISTS if !in_push_constants => 0,
                     BINDING_CAMERA if !in_push_constants => 8,

@@ -205,8 +205,8 @@ fn the_bias_of_the_cap_is_what_it_cuts_off() {
     assert_eq!(json(folder.path(), &capped, 0).0["bias"]["bounce_cap"], Value::Null);
 }
 
-/// A furnace of albedo 1 keeps paths alive to the last bounce, and the estimate of what the cap cuts off would take minutes: the limit
-/// holds for it too, and what it does not let be known is not kept.
+/// A furnace of albedo 1 keeps paths alive to the last bounce, and the estimate of what the cap cuts off would take
+/// minutes: the limit holds for it too, and what it does not let be known is not kept.
 #[test]
 fn a_time_limit_holds_with_the_bias_of_the_cap() {
     let _turn = turn();

@@ -1,7 +1,7 @@
 //! What the bounce cap cuts off, as the end of a render has it.
 //!
-//! Comes in: a device, a scene, and how much time there is. Goes out: a [`Bias`]: the estimate, or in words why there is none. The
-//! pictures are saved by then, so nothing that goes wrong here can lose them.
+//! Comes in: a device, a scene, and how much time there is. Goes out: a [`Bias`]: the estimate, or in words why there
+//! is none. The pictures are saved by then, so nothing that goes wrong here can lose them.
 
 use std::time::{Duration, Instant};
 
@@ -21,7 +21,8 @@ pub enum Bias {
 }
 
 impl Bias {
-    /// Estimates it before `ends`, if there is such a time. `seconds` are those of the render, whose set-up takes as long.
+    /// Estimates it before `ends`, if there is such a time. `seconds` are those of the render, whose set-up takes as
+    /// long.
     pub fn estimate(
         engine: &Engine,
         scene: &Scene,

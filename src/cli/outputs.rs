@@ -1,7 +1,8 @@
 //! The options that say what a render writes, and the files themselves.
 //!
-//! Comes in: parsed options, then the film of a finished render. Goes out: checked [`Outputs`] that have room on the disk and in
-//! memory, then [`Saved`]: which files were written and which were not. One that fails does not keep the others from being written.
+//! Comes in: parsed options, then the film of a finished render. Goes out: checked [`Outputs`] that have room on the
+//! disk and in memory, then [`Saved`]: which files were written and which were not. One that fails does not keep the
+//! others from being written.
 
 use std::path::{Path, PathBuf};
 
@@ -40,8 +41,8 @@ pub struct OutputArgs {
     /// Do not overwrite files
     #[arg(long)]
     no_clobber: bool,
-    /// Overwrite a better picture too: otherwise one that a signal or a time limit cuts short goes beside a file that holds the same
-    /// picture with more samples, as NAME.partial-Nspp.EXT
+    /// Overwrite a better picture too: otherwise one that a signal or a time limit cuts short goes beside a file that
+    /// holds the same picture with more samples, as NAME.partial-Nspp.EXT
     #[arg(long, conflicts_with = "no_clobber")]
     overwrite: bool,
     /// Exposure of 8-bit pictures in stops, -100 to 100
@@ -61,7 +62,8 @@ impl OutputArgs {
         Ok(())
     }
 
-    /// Checks the files that will be written for a scene: none is a file that the scene names, no two are one, each can be written.
+    /// Checks the files that will be written for a scene: none is a file that the scene names, no two are one, each can
+    /// be written.
     pub fn outputs(&self, scene: &Scene) -> Result<Outputs<'_>> {
         let default: Vec<PathBuf>;
         let paths = if self.output.is_empty() {
@@ -110,8 +112,8 @@ pub struct Outputs<'a> {
 }
 
 impl Outputs<'_> {
-    /// Refuses pictures that the disk has no room for, and holds the memory that saving them will take, until it is dropped,
-    /// beside what the film holds itself.
+    /// Refuses pictures that the disk has no room for, and holds the memory that saving them will take, until it is
+    /// dropped, beside what the film holds itself.
     pub fn reserve(&self, settings: &Settings) -> Result<Reservation> {
         let extent = self.extent(settings);
         let plain = Extent { further_channels: 0, ..extent };
@@ -144,8 +146,8 @@ impl Outputs<'_> {
         formats.map(bytes).max().unwrap_or(0)
     }
 
-    /// Writes all files of a render that has taken `spp` samples. `cut_short`: a signal or a time limit has ended it before its
-    /// samples, and its pictures take the place of no better ones.
+    /// Writes all files of a render that has taken `spp` samples. `cut_short`: a signal or a time limit has ended it
+    /// before its samples, and its pictures take the place of no better ones.
     pub fn write(&self, ending: &Ending<'_>, metadata: &Metadata) -> Result<Saved> {
         ending.film.let_go();
         let (picture, map) = self.read_out(ending)?;
@@ -262,8 +264,8 @@ pub struct Saved {
 }
 
 impl Saved {
-    /// Writes the pictures once more, with facts that were not known before. What went to a pipe or a device stays as it is, and
-    /// so do pictures that cannot be written again: they lack these facts, and a warning says so.
+    /// Writes the pictures once more, with facts that were not known before. What went to a pipe or a device stays as
+    /// it is, and so do pictures that cannot be written again: they lack these facts, and a warning says so.
     pub fn rewrite(&mut self, metadata: &Metadata) {
         for file in self.pictures.iter().filter(|file| is_rewritable(file.path())) {
             let room = reserve("memory for saving a picture again", self.encoding_bytes).map(drop);

@@ -1,8 +1,9 @@
 //! Signals that ask to stop: the first asks politely, a second one later ends the process at once.
 //!
-//! Comes in: SIGINT, SIGTERM and, on Unix, SIGHUP. Goes out: the number of the signal, to be asked for. A signal that the process was
-//! started to ignore (`nohup`) stays ignored. Signals that come within a second are one: a terminal that is closed sends SIGHUP twice
-//! (the kernel does, and the shell), and `timeout` signals the process and then its group.
+//! Comes in: SIGINT, SIGTERM and, on Unix, SIGHUP. Goes out: the number of the signal, to be asked for. A signal that
+//! the process was started to ignore (`nohup`) stays ignored. Signals that come within a second are one: a terminal
+//! that is closed sends SIGHUP twice (the kernel does, and the shell), and `timeout` signals the process and then its
+//! group.
 
 use std::io;
 use std::sync::Arc;
@@ -53,7 +54,8 @@ impl Signals {
     }
 }
 
-/// Has a thread wait for signals, which can tell the time between them: the one that renders may be waiting for the driver.
+/// Has a thread wait for signals, which can tell the time between them: the one that renders may be waiting for the
+/// driver.
 #[cfg(unix)]
 fn watch_by_thread(watched: &[i32], received: &Arc<AtomicUsize>) -> io::Result<()> {
     let mut signals = signal_hook::iterator::Signals::new(watched)?;
@@ -76,7 +78,8 @@ fn watch_by_thread(_: &[i32], _: &Arc<AtomicUsize>) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// Where no thread can be had the handlers themselves do it. They cannot tell the time: any second signal ends the process.
+/// Where no thread can be had the handlers themselves do it. They cannot tell the time: any second signal ends the
+/// process.
 fn watch_by_handlers(watched: &[i32], received: &Arc<AtomicUsize>) -> io::Result<()> {
     let again = Arc::new(AtomicBool::new(false));
     for &signal in watched {
@@ -88,8 +91,8 @@ fn watch_by_handlers(watched: &[i32], received: &Arc<AtomicUsize>) -> io::Result
     Ok(())
 }
 
-/// Has a write beyond the limit of file sizes (`ulimit -f`) fail, as on a full disk, where the signal that comes with it would end
-/// the process: a handler that does nothing is enough.
+/// Has a write beyond the limit of file sizes (`ulimit -f`) fail, as on a full disk, where the signal that comes with
+/// it would end the process: a handler that does nothing is enough.
 pub fn survive_large_files() {
     #[cfg(unix)]
     // Without the handler a large file ends the process, as before.

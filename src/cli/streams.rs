@@ -14,8 +14,8 @@ pub fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", escaped_lines(line));
 }
 
-/// What loading has to say: warnings and, unless `quiet`, notes; neither where there are warnings that are `denied`: those
-/// are errors then.
+/// What loading has to say: warnings and, unless `quiet`, notes; neither where there are warnings that are `denied`:
+/// those are errors then.
 pub fn tell_loading(report: &LoadReport, denied: bool, quiet: bool) {
     report.warnings.iter().filter(|_| !denied).for_each(|warning| say(&format!("warning: {warning}")));
     report

@@ -1,7 +1,7 @@
 //! Memory that reading a film out will take, held while it is being filled.
 //!
-//! Comes in: a number of bytes. Goes out: a [`Held`], which a film has. A driver takes memory when it likes, and a picture that is
-//! finished and cannot be read out would be lost.
+//! Comes in: a number of bytes. Goes out: a [`Held`], which a film has. A driver takes memory when it likes, and a
+//! picture that is finished and cannot be read out would be lost.
 
 use std::sync::{Mutex, PoisonError};
 

@@ -1,6 +1,7 @@
 //! What writing a picture takes, known before there is one: bytes on the disk and bytes of memory.
 //!
-//! Comes in: a format, a size and a number of layers. Goes out: upper bounds. No compression is counted on: noise does not compress.
+//! Comes in: a format, a size and a number of layers. Goes out: upper bounds. No compression is counted on: noise does
+//! not compress.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -71,7 +72,8 @@ impl Format {
                 let block = 4 * extent.channels() * u64::from(extent.width) * EXR_LINES;
                 file + 4 * extent.channels() * pixels + busy * (WORKER_BYTES + 6 * block)
             }
-            // Pixels of three bytes, filtered, compressed into a growing buffer (which is copied when it grows), and the file.
+            // Pixels of three bytes, filtered, compressed into a growing buffer (which is copied when it grows), and
+            // the file.
             Format::Png => 6 * file,
             // Pixels of three floats, and the same.
             Format::Hdr => 12 * pixels + 4 * file,
@@ -79,9 +81,9 @@ impl Format {
     }
 }
 
-/// Refuses files, each a path and its bytes at most, for which their disks have no room, as far as the system says how much
-/// they have. Old files of these names are not counted as room: they stay until the new ones are complete. A device or a
-/// pipe needs none.
+/// Refuses files, each a path and its bytes at most, for which their disks have no room, as far as the system says how
+/// much they have. Old files of these names are not counted as room: they stay until the new ones are complete. A
+/// device or a pipe needs none.
 pub fn check_room<'a>(files: impl IntoIterator<Item = (&'a Path, u64)>) -> Result<()> {
     // What was promised to the files before, by disk.
     let mut promised: BTreeMap<u64, u64> = BTreeMap::new();

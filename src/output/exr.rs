@@ -47,7 +47,8 @@ pub fn encode(picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>, String>
     let mut image = Image::from_layer(Layer::new((width, height), attributes, encoding, channels));
     image.attributes.display_window =
         IntegerBounds::from_dimensions((picture.full_width as usize, picture.full_height as usize));
-    // All of it at once: a buffer that grows takes up to three times as much, and ends the process where there is no more.
+    // All of it at once: a buffer that grows takes up to three times as much, and ends the process where there is no
+    // more.
     let extent = Extent {
         width: picture.width,
         height: picture.height,
@@ -100,8 +101,8 @@ fn attributes(header: &[u8]) -> Option<Vec<Attribute<'_>>> {
     Some(attributes)
 }
 
-/// What a file that begins with `bytes` says of itself: texray's own attributes, without their prefix. Nothing where it is no EXR
-/// file, or its header is longer.
+/// What a file that begins with `bytes` says of itself: texray's own attributes, without their prefix. Nothing where it
+/// is no EXR file, or its header is longer.
 pub fn facts(bytes: &[u8]) -> Vec<(String, String)> {
     let header = bytes.strip_prefix(&MAGIC).and_then(|rest| rest.get(PREAMBLE_BYTES - MAGIC.len()..));
     let own = |attribute: Attribute<'_>| {

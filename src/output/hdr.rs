@@ -1,7 +1,7 @@
 //! Radiance HDR: the picture with a shared exponent, 8 bits a channel.
 //!
-//! Comes in: a picture and its metadata. Goes out: the bytes of a file. The format holds no negative, infinite or invalid values;
-//! they are brought into its range. Facts stand in the header as `texray:KEY=VALUE`, a line each.
+//! Comes in: a picture and its metadata. Goes out: the bytes of a file. The format holds no negative, infinite or
+//! invalid values; they are brought into its range. Facts stand in the header as `texray:KEY=VALUE`, a line each.
 
 use image::Rgb;
 use image::codecs::hdr::HdrEncoder;

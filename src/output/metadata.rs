@@ -1,9 +1,9 @@
 //! What a picture file says about itself: keys and values, in order.
 //!
-//! Comes in: facts of a render. Goes out: EXR attributes, PNG text and lines of an HDR header. Facts of three kinds are told apart:
-//! what the picture is of (the scene, and each setting that shows, but for the number of samples), what else scene, settings and
-//! device determine, and what differs from run to run (times). EXR and HDR files hold no times, so that equal renders are equal
-//! files.
+//! Comes in: facts of a render. Goes out: EXR attributes, PNG text and lines of an HDR header. Facts of three kinds are
+//! told apart: what the picture is of (the scene, and each setting that shows, but for the number of samples), what
+//! else scene, settings and device determine, and what differs from run to run (times). EXR and HDR files hold no
+//! times, so that equal renders are equal files.
 
 use super::stored::Stored;
 
@@ -33,8 +33,8 @@ impl Metadata {
         Metadata::default()
     }
 
-    /// Adds a fact about what the picture is of. Two pictures that agree in all of them differ in their noise alone. `key` is as for
-    /// [`Metadata::fixed`].
+    /// Adds a fact about what the picture is of. Two pictures that agree in all of them differ in their noise alone.
+    /// `key` is as for [`Metadata::fixed`].
     pub fn subject(&mut self, key: &str, value: impl ToString) -> &mut Metadata {
         self.push(key, value.to_string(), Kind::Subject)
     }

@@ -1,7 +1,7 @@
 //! What a render that was cut short may not replace: a better picture of the same subject.
 //!
-//! Comes in: where a picture is to go, what it is of, and its samples. Goes out: another name for it, where a file with more samples
-//! of the same subject is there.
+//! Comes in: where a picture is to go, what it is of, and its samples. Goes out: another name for it, where a file with
+//! more samples of the same subject is there.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -28,8 +28,8 @@ pub fn beside_better(path: &Path, metadata: &Metadata, spp: u32) -> Option<PathB
         .or_else(|| Some(partial(path, spp, MOST_TRIES + 1)))
 }
 
-/// `NAME.partial-Nspp.EXT` beside `NAME.EXT`, with `-COUNT` after it from the second on; a name that would be too long loses
-/// the end of NAME.
+/// `NAME.partial-Nspp.EXT` beside `NAME.EXT`, with `-COUNT` after it from the second on; a name that would be too long
+/// loses the end of NAME.
 fn partial(path: &Path, spp: u32, count: u32) -> PathBuf {
     let counted = if count > 1 { format!("-{count}") } else { String::new() };
     let mut end = OsString::from(format!(".partial-{spp}spp{counted}"));

@@ -78,8 +78,8 @@ impl Place {
         }
     }
 
-    /// Writes `bytes`. A new file is whole or not there; an old one stays until the new one is complete, wherever it can
-    /// be replaced (see [`replacing`]). Under `no_clobber` nothing that is there is replaced.
+    /// Writes `bytes`. A new file is whole or not there; an old one stays until the new one is complete, wherever it
+    /// can be replaced (see [`replacing`]). Under `no_clobber` nothing that is there is replaced.
     pub fn write(&self, no_clobber: bool, bytes: &[u8]) -> io::Result<()> {
         match self {
             Place::New(target) => {

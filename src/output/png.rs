@@ -16,8 +16,8 @@ pub fn encode(picture: &Picture, display: &Display, metadata: &Metadata) -> Resu
     write(picture, pixels.as_flattened(), metadata).map_err(|error| error.to_string())
 }
 
-/// A picture of colours from a palette (sRGB) that mean what `legend` says, an index per pixel, in rows from the top: the file's
-/// bytes, or why they cannot be made. At most 256 colours.
+/// A picture of colours from a palette (sRGB) that mean what `legend` says, an index per pixel, in rows from the top:
+/// the file's bytes, or why they cannot be made. At most 256 colours.
 pub fn encode_indexed(
     width: u32,
     height: u32,

@@ -1,10 +1,11 @@
 //! How new bytes take the place of a file that is there.
 //!
-//! Comes in: the path of a regular file, and bytes. Goes out: the file with these bytes, its mode and owner as they were.
-//! As a rule a second file is written and renamed, so that the old bytes stay until the new ones are complete. Where that
-//! would change what is there, or is not allowed, the old file is written over: a mount point (`docker -v
-//! out.exr:/out.exr`), a file with other names, one of another user in a folder such as /tmp, a file in a folder without
-//! write permission. Then a process that is killed meanwhile leaves a mixture. For lack of room nothing is written over.
+//! Comes in: the path of a regular file, and bytes. Goes out: the file with these bytes, its mode and owner as they
+//! were. As a rule a second file is written and renamed, so that the old bytes stay until the new ones are complete.
+//! Where that would change what is there, or is not allowed, the old file is written over: a mount point (`docker -v
+//! out.exr:/out.exr`), a file with other names, one of another user in a folder such as /tmp, a file in a folder
+//! without write permission. Then a process that is killed meanwhile leaves a mixture. For lack of room nothing is
+//! written over.
 
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Write};
@@ -41,8 +42,8 @@ fn successor(target: &Path) -> io::Result<Temporary> {
     Ok(new)
 }
 
-/// Writes over the bytes of the file at `target`. Room for all of them is made first, and what is too much is cut off last:
-/// where the disk is full the old bytes stay.
+/// Writes over the bytes of the file at `target`. Room for all of them is made first, and what is too much is cut off
+/// last: where the disk is full the old bytes stay.
 fn over(target: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = OpenOptions::new().write(true).open(target)?;
     make_room(&file, bytes.len() as u64)?;
@@ -86,8 +87,8 @@ fn has_other_names(_: &Metadata) -> bool {
     false
 }
 
-/// Whether a file lies on another file system than its folder. (One that is mounted from the same file system is found out
-/// when it is renamed over.)
+/// Whether a file lies on another file system than its folder. (One that is mounted from the same file system is found
+/// out when it is renamed over.)
 #[cfg(unix)]
 fn is_mounted(file: &Metadata, folder: &Metadata) -> bool {
     use std::os::unix::fs::MetadataExt;

@@ -1,7 +1,7 @@
 //! What a picture file that is there says of itself.
 //!
-//! Comes in: a path. Goes out: the facts that texray once wrote into the file, by key. Only the beginning of the file is read, and
-//! whatever is not a picture of texray has no facts.
+//! Comes in: a path. Goes out: the facts that texray once wrote into the file, by key. Only the beginning of the file
+//! is read, and whatever is not a picture of texray has no facts.
 
 use std::fs::File;
 use std::io::Read;
@@ -17,7 +17,8 @@ const HEAD_BYTES: u64 = 1 << 18;
 pub struct Stored(Vec<(String, String)>);
 
 impl Stored {
-    /// The facts of the picture at `path`, whose extension says its format. None where there is no regular file, or none of texray.
+    /// The facts of the picture at `path`, whose extension says its format. None where there is no regular file, or
+    /// none of texray.
     pub fn read(path: &Path) -> Stored {
         let head = || -> Option<Vec<u8>> {
             if !path.metadata().ok()?.is_file() {

@@ -22,8 +22,8 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     stream.flush()
 }
 
-/// Whether this user may write to it. It is not opened for that: a pipe without a reader would wait, and one with a reader
-/// would lose it.
+/// Whether this user may write to it. It is not opened for that: a pipe without a reader would wait, and one with a
+/// reader would lose it.
 #[cfg(unix)]
 pub fn may_write(path: &Path) -> io::Result<()> {
     use rustix::fs::{Access, AtFlags, CWD, accessat};
@@ -59,8 +59,8 @@ fn open(path: &Path) -> io::Result<File> {
     OpenOptions::new().write(true).append(metadata.is_file()).open(path)
 }
 
-/// Standard output or standard error, if `path` is a name of it. Opened anew, a file would be written from another place
-/// than where its other writers are.
+/// Standard output or standard error, if `path` is a name of it. Opened anew, a file would be written from another
+/// place than where its other writers are.
 #[cfg(unix)]
 fn standard_stream(path: &Path) -> Option<io::Result<File>> {
     use std::os::fd::AsFd;

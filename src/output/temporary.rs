@@ -90,8 +90,8 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Removes hidden files in `folder` that this user's killed processes have left. Nothing depends on it, so no failure is
-/// told.
+/// Removes hidden files in `folder` that this user's killed processes have left. Nothing depends on it, so no failure
+/// is told.
 pub fn remove_stale(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {

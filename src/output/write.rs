@@ -1,7 +1,7 @@
 //! Files that are whole or not there: checked before rendering, written without a name, synced, named.
 //!
-//! Comes in: a path and bytes. Goes out: a file of the user's usual mode, or of the one that it replaces; or an error that names the
-//! path and leaves nothing behind.
+//! Comes in: a path and bytes. Goes out: a file of the user's usual mode, or of the one that it replaces; or an error
+//! that names the path and leaves nothing behind.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -66,8 +66,8 @@ impl OutputFile {
         self.format
     }
 
-    /// The file for a picture of `spp` samples that was cut short: the same, or, where a picture of the same subject with more
-    /// samples is there, another beside it, named `NAME.partial-Nspp.EXT`.
+    /// The file for a picture of `spp` samples that was cut short: the same, or, where a picture of the same subject
+    /// with more samples is there, another beside it, named `NAME.partial-Nspp.EXT`.
     pub fn beside_better(&self, display: &Display, metadata: &Metadata, spp: u32) -> OutputFile {
         let path = partial::beside_better(&self.path, &self.metadata(display, metadata), spp);
         OutputFile { path: path.unwrap_or_else(|| self.path.clone()), ..self.clone() }
@@ -99,8 +99,9 @@ impl OutputFile {
     }
 }
 
-/// Refuses a path that could not be written: a folder that is missing or not writable, a directory in its place, a file that this
-/// user may not write, a name that is too long, or, under `no_clobber`, anything in its place. Nothing of the trial stays.
+/// Refuses a path that could not be written: a folder that is missing or not writable, a directory in its place, a file
+/// that this user may not write, a name that is too long, or, under `no_clobber`, anything in its place. Nothing of the
+/// trial stays.
 pub fn check_writable(path: &Path, no_clobber: bool) -> Result<()> {
     if no_clobber && path.symlink_metadata().is_ok() {
         return Err(exists(path));
@@ -111,7 +112,8 @@ pub fn check_writable(path: &Path, no_clobber: bool) -> Result<()> {
     Ok(())
 }
 
-/// Whether what is written to `path` stays there, so that it can be written once more: what went to a pipe or a device is gone.
+/// Whether what is written to `path` stays there, so that it can be written once more: what went to a pipe or a device
+/// is gone.
 pub fn is_rewritable(path: &Path) -> bool {
     Place::of(path).is_ok_and(|place| place.is_file())
 }
@@ -121,8 +123,8 @@ pub fn target_of(path: &Path) -> PathBuf {
     follow(path).unwrap_or_else(|_| path.into())
 }
 
-/// Writes `bytes` to `path`: a file is whole or not there, and what stood there before stays until it is complete. Symbolic links are
-/// followed; a device or a pipe is written to and stays what it is.
+/// Writes `bytes` to `path`: a file is whole or not there, and what stood there before stays until it is complete.
+/// Symbolic links are followed; a device or a pipe is written to and stays what it is.
 pub fn write_whole(path: &Path, no_clobber: bool, bytes: &[u8]) -> Result<()> {
     let place = Place::of(path).map_err(|message| Error::output(path, message))?;
     place.write(no_clobber, bytes).map_err(|error| match error.kind() {

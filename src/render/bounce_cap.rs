@@ -57,7 +57,8 @@ pub fn is_cheap(scene: &Scene, settings: &Settings, spp: u32) -> bool {
     2.0 * (start + 2.0 * PIXELS * f64::from(SPP)) <= COST_SHARE * paths
 }
 
-/// Estimates what the cap of `settings` cuts off; `None` where the observer stopped it, or it would not have ended before `ends`.
+/// Estimates what the cap of `settings` cuts off; `None` where the observer stopped it, or it would not have ended
+/// before `ends`.
 pub fn cap_bias(
     context: &Context,
     scene: &Scene,
@@ -66,7 +67,8 @@ pub fn cap_bias(
     observer: &mut dyn Observer,
 ) -> Result<Option<CapBias>> {
     settings.check()?;
-    // Paths without an end take for ever: half of a picture says nothing, and its first samples are given up like any other.
+    // Paths without an end take for ever: half of a picture says nothing, and its first samples are given up like any
+    // other.
     let time = ends.map(|ends| TimeRule { aim: ends, latest: ends });
     let rules = StopRules { time, whole_or_nothing: true, ..StopRules::default() };
     let up_to_bounces = settings.max_bounces.saturating_mul(FACTOR).saturating_add(BEYOND).min(MAX_BOUNCES);

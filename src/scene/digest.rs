@@ -1,7 +1,7 @@
 //! What a scene is, as one number: by it a picture says what it is a picture of.
 //!
-//! Comes in: a checked scene. Goes out: 128 bits that are the same wherever and from whatever files equal scenes are loaded, and
-//! differ where anything that a picture can show does.
+//! Comes in: a checked scene. Goes out: 128 bits that are the same wherever and from whatever files equal scenes are
+//! loaded, and differ where anything that a picture can show does.
 
 use std::fmt;
 
@@ -20,8 +20,8 @@ impl fmt::Display for Digest {
 }
 
 impl Scene {
-    /// The scene's digest (XXH3, which is the same in every version and on every machine): of geometry, materials but for their
-    /// names, camera, sky and scaling. Picture size and defaults of the command line are not part of it.
+    /// The scene's digest (XXH3, which is the same in every version and on every machine): of geometry, materials but
+    /// for their names, camera, sky and scaling. Picture size and defaults of the command line are not part of it.
     pub fn digest(&self) -> Digest {
         // Every field by name, so that a new one is not forgotten here.
         let Scene {

@@ -55,8 +55,8 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Starts the program with the signals as a terminal starts it: a test that runs in the background of a script ignores some of
-/// them, and so would the program. Returns once it has named its device: it renders from then on.
+/// Starts the program with the signals as a terminal starts it: a test that runs in the background of a script ignores
+/// some of them, and so would the program. Returns once it has named its device: it renders from then on.
 pub fn start(folder: &Path, arguments: &[&str]) -> Child {
     let mut command = Command::new("env");
     command.args(["--default-signal=INT,TERM,HUP", TEXRAY]).args(arguments).current_dir(folder);
