@@ -53,6 +53,12 @@ const SMALL: u64 = 1 << 20;
 /// What the last look at the limits left over for small needs: to look takes longer than to read a small file.
 static SPARE: AtomicU64 = AtomicU64::new(0);
 
+/// Bytes that `RLIMIT_AS` leaves of this process's address space; `None` where that is not limited or not known.
+pub fn address_space_left() -> Option<u64> {
+    let [space, _] = limits_leave();
+    space
+}
+
 /// Refuses `what` where it needs more bytes than are available, less a little for what nobody checks.
 pub fn check(what: &str, need: u64) -> Result<()> {
     let take = |spare: u64| spare.checked_sub(need);

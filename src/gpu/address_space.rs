@@ -7,6 +7,7 @@
 
 use super::device_info::{DeviceInfo, DeviceKind};
 use super::driver_threads::POOLS;
+use crate::memory::address_space_left;
 use crate::{Error, Result};
 
 const MIB: u64 = 1 << 20;
@@ -22,19 +23,6 @@ const COMPILER_BYTES: u64 = 64 * MIB;
 const GUARD_BYTES: u64 = 64 << 10;
 /// Stack of a thread where the system sets no limit to it.
 const STACK_BYTES: u64 = 8 * MIB;
-
-/// Bytes of address space that may still be taken; `None` where that is not limited or not known.
-#[cfg(unix)]
-fn left() -> Option<u64> {
-    let most = rustix::process::getrlimit(rustix::process::Resource::As).current?;
-    let pages: u64 = std::fs::read_to_string("/proc/self/statm").ok()?.split(' ').next()?.parse().ok()?;
-    Some(most.saturating_sub(pages.saturating_mul(rustix::param::page_size() as u64)))
-}
-
-#[cfg(not(unix))]
-fn left() -> Option<u64> {
-    None
-}
 
 /// Stack of a new thread of a driver, which takes the system's default.
 #[cfg(unix)]
@@ -57,7 +45,7 @@ fn pool_bytes(threads: usize) -> u64 {
 /// reserves 64 MiB for each, and more where it cannot place them, of which a thread of a driver uses next to nothing.
 pub(super) fn share_arenas() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    if left().is_some() {
+    if address_space_left().is_some() {
         // SAFETY: any thread may call it at any time; it sets a number that is read when a thread allocates for the
         // first time.
         unsafe { libc::mallopt(libc::M_ARENA_MAX, 1) };
@@ -67,7 +55,7 @@ pub(super) fn share_arenas() {
 /// The most threads, of at most `wanted`, for whose pools there is room before the drivers are loaded.
 pub(super) fn threads_with_room(wanted: usize) -> usize {
     share_arenas();
-    left().map_or(wanted, |left| threads_within(left, wanted))
+    address_space_left().map_or(wanted, |left| threads_within(left, wanted))
 }
 
 fn threads_within(left: u64, wanted: usize) -> usize {
@@ -99,11 +87,13 @@ pub(super) fn check_after(info: &DeviceInfo, name: &str) -> Result<()> {
 
 /// The limit in words, for a failure that may have to do with it; nothing where there is none.
 pub(super) fn in_words() -> String {
-    left().map(|left| format!(" ({} of address space are left, ulimit -v)", mebibytes(left))).unwrap_or_default()
+    address_space_left()
+        .map(|left| format!(" ({} of address space are left, ulimit -v)", mebibytes(left)))
+        .unwrap_or_default()
 }
 
 fn check(what: &str, need: u64) -> Result<()> {
-    refuse(what, need, left())
+    refuse(what, need, address_space_left())
 }
 
 fn refuse(what: &str, need: u64, left: Option<u64>) -> Result<()> {
